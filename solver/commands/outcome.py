@@ -54,10 +54,11 @@ def ensemble_lines(ensemble: Ensemble, names: Sequence[object], moved: str, most
         f"{ensemble.size} runs varied by {spread.stiffness:.2g} (stiffness), {spread.damping:.2g} (damping), "
         f"{spread.motion:.2g} (motion): {ensemble.overturned} overturned, {ensemble.undecided} undecided; "
         f"share that overturns {percent(low)} to {percent(high)} at 95 % confidence",
-        f"block  peak |{moved}| (mm) of those that stand, " + ", ".join(f"{point} %" for point in PERCENTILES),
     ]
-    rows = zip(names, ensemble.peaks.T, strict=True)
-    lines += [f"{name!s:>5s}  " + "  ".join(f"{1e3 * peak:14.5g}" for peak in peaks) for name, peaks in rows][:most]
+    if np.all(np.isfinite(ensemble.peaks)):  # NaN where no run stands
+        lines.append(f"block  peak |{moved}| (mm) of those that stand, " + ", ".join(f"{p} %" for p in PERCENTILES))
+        rows = [*zip(names, ensemble.peaks.T, strict=True)][:most]
+        lines += [f"{name!s:>5s}  " + "  ".join(f"{1e3 * peak:14.5g}" for peak in peaks) for name, peaks in rows]
     if ensemble.debris:
         low, high = ensemble.envelope
         (x0, y0, _), (x1, y1, _) = np.min(low, axis=0), np.max(high, axis=0)

@@ -13,6 +13,7 @@ from support.batches import run_batch
 from support.probe import G, phocas
 
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Spread, simulate
+from solver.commands.outcome import ensemble_lines
 from solver.models.column.kinematics import chain_of
 from solver.models.uncertainty import Ensemble, share_bounds, vary
 
@@ -144,6 +145,7 @@ def test_percentiles_are_of_the_runs_that_stand() -> None:
     found = ensemble_of(phocas(1e-3), Motion.harmonic(0.1 * G, 0.25, 12.0), ensemble=8, output_step=0.01)
     assert found.overturned == 8
     assert np.all(np.isnan(found.peaks))
+    assert "nan" not in "".join(ensemble_lines(found, [1, 2], "ux"))  # no table
     assert math.isnan(found.amplification)
     first, last = np.min(found.overturn_time), np.max(found.overturn_time)
     time = 0.01 * np.arange(1201)
