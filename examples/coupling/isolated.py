@@ -18,10 +18,11 @@ from build import DEFAULT_COLUMN, build_all
 from master import Fmu, Run, couple
 
 from multiblock import Column, InputError, Motion
+from solver.plotting.largest import length
 from solver.plotting.lines import thinned
 from solver.plotting.plots import draw_ground
 from solver.plotting.style import BLUE, RED, Figure, header, save, show_names, tidy
-from solver.plotting.words import length, setting_of
+from solver.plotting.words import setting_of
 
 STEP = 1e-3  # s
 AFTER = 6.0  # s that are followed after the motion has ended
