@@ -15,15 +15,7 @@ Value = TypeVar("Value")
 
 
 class Alias:
-    """An attribute under its old name.
-
-    Parameters
-    ----------
-    new : str
-        The new name.
-    get : callable, optional
-        Returns the old value of an object, if it is not that of `new`.
-    """
+    """An attribute under its old name; `get` returns the old value of an object, by default that of `new`."""
 
     def __init__(self, new: str, get: Callable[[Any], Any] | None = None) -> None:
         self.new, self._get = new, get or attrgetter(new)
@@ -40,17 +32,7 @@ class Alias:
 
 
 class Renamed(dict[str, Value]):
-    """A dictionary whose old keys still work.
-
-    Parameters
-    ----------
-    values : mapping
-        The values by their new keys.
-    old : mapping of str to str
-        The new keys by the old ones.
-    name : str
-        The name of the dictionary in the warning.
-    """
+    """A dictionary whose old keys still work: `old` has the new keys by them; the warning names the dictionary."""
 
     def __init__(self, values: Mapping[str, Value], old: Mapping[str, str], name: str) -> None:
         super().__init__(values)

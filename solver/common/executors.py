@@ -13,6 +13,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
+from itertools import islice
 from typing import Any, TypeVar
 
 from .errors import InputError, shown
@@ -40,23 +41,14 @@ def sent_out(
 
     Parameters
     ----------
-    pieces : iterator
-        The tasks.
-    submit : callable
-        Called with a task; returns its future.
-    workers : int
-        The number of tasks processed at once.
+    pieces, submit, workers
+        The tasks; a function that returns the future of a task; the number of tasks processed at once.
     failed : callable
         Called with a task, the number of attempts and the error; unless it raises, the task is submitted again.
     error : callable
         Called with a message; returns the exception to raise when the executor refuses tasks.
     idle : callable
         Called while no task completes.
-
-    Yields
-    ------
-    tuple
-        A task and its result.
     """
     ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
     under_way: dict[Any, tuple[Piece, int]] = {}
@@ -72,11 +64,7 @@ def sent_out(
     try:
         while True:
             # keep the queue of the executor filled
-            while len(under_way) < AHEAD * workers:
-                try:
-                    piece = next(pieces)
-                except StopIteration:
-                    break
+            for piece in islice(pieces, AHEAD * workers - len(under_way)):
                 send(piece, 1)
             if not under_way:
                 return

@@ -16,30 +16,14 @@ EXTRA = "studies"
 
 @dataclass(frozen=True)
 class Frame:
-    """Named columns over common rows, each (rows,), or (rows, blocks) with block 1, the top one, first.
+    """Named columns over common rows, each (rows,), or (rows, blocks) with block 1, the top one, first."""
 
-    Attributes
-    ----------
-    index : tuple
-        The name and the values (rows,) of the index.
-    columns : mapping of str to ndarray
-        The columns by name.
-    units : mapping of str to str
-        The units of columns and index, by name.
-    attributes : mapping
-        The attributes of the data set.
-    of : mapping of str to str
-        The second dimension of a column, by its name, if it is not `block`.
-    labels : mapping of str to sequence
-        The labels along a second dimension, if they are not the numbers from 1.
-    """
-
-    index: tuple[str, NDArray[Any]]
+    index: tuple[str, NDArray[Any]]  # name and values (rows,)
     columns: Mapping[str, NDArray[Any]]
-    units: Mapping[str, str] = field(default_factory=dict)
-    attributes: Mapping[str, Any] = field(default_factory=dict)
-    of: Mapping[str, str] = field(default_factory=dict)
-    labels: Mapping[str, Sequence[object]] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)  # of columns and index, by name
+    attributes: Mapping[str, Any] = field(default_factory=dict)  # of the data set
+    of: Mapping[str, str] = field(default_factory=dict)  # second dimension of a column, if it is not `block`
+    labels: Mapping[str, Sequence[object]] = field(default_factory=dict)  # along a second dimension, if not from 1
 
     def flat(self) -> dict[str, NDArray[Any]]:
         """Return the index and the columns, one for each block such as ux[1], ux[2]."""
@@ -95,5 +79,4 @@ def _units(frame: Frame, name: str) -> dict[str, str]:
 def _words(values: NDArray[Any]) -> NDArray[Any]:
     """Convert strings to objects, of which equal ones are the same object."""
     different, which = np.unique(values, return_inverse=True)
-    found: NDArray[Any] = different.astype(object)[which]
-    return found
+    return np.asarray(different.astype(object)[which])

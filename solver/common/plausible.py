@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from .errors import InputWarning
@@ -78,68 +78,57 @@ def warn_of_first(lines: Iterable[Sequence[str]]) -> None:
             return
 
 
-def _of_blocks(facts: Facts) -> list[str]:
+def _worst(values: Numbers, most: float) -> list[int]:
+    """Return the index of the largest value if it is more than `most`, else none."""
+    i = max(range(len(values)), key=values.__getitem__, default=0)
+    return [i] if len(values) and values[i] > most else []
+
+
+def _of_blocks(facts: Facts) -> Iterator[str]:
     """Check densities and heights."""
-    lines = []
     density = [mass / volume for mass, volume in zip(facts.mass, facts.volume, strict=True)]
     most = [math.inf if loaded else DENSITIES[1] for loaded in facts.loaded]
-    wrong = [max(DENSITIES[0] / own, own / limit) for own, limit in zip(density, most, strict=True)]
-    i = wrong.index(max(wrong))
-    if wrong[i] > 1.0:
-        lines.append(
+    for i in _worst([max(DENSITIES[0] / own, own / limit) for own, limit in zip(density, most, strict=True)], 1.0):
+        yield (
             f"{facts.block_key(i)}.mass = {facts.mass[i]:g}: is {density[i]:.3g} kg/m3 in {facts.volume[i]:.4g} m3, "
             f"should be {DENSITIES[0]:g} to {DENSITIES[1]:g}; mass is in kg, lengths in m"
         )
-    i = facts.height.index(max(facts.height))
-    if facts.height[i] > HIGHEST:
+    for i in _worst(facts.height, HIGHEST):
         key, height = facts.block_key(i), facts.height[i]
-        lines.append(f"{key}.height = {height:g}: should be {HIGHEST:g} at most; height is in m")
-    return lines
+        yield f"{key}.height = {height:g}: should be {HIGHEST:g} at most; height is in m"
 
 
-def _at_rest(facts: Facts) -> list[str]:
-    """Check settlement and pressure at rest."""
-    lines: list[str] = []
-    if not len(facts.carried):
-        return lines
-    each = list(zip(facts.carried, facts.area, facts.laws, facts.upper, strict=True))
-    # settlement relative to the height of the block
-    settled = [carried / (law.stiffness * area) for carried, area, law, _ in each]
-    part = [own / facts.height[upper] for own, (_, _, _, upper) in zip(settled, each, strict=True)]
-    i = part.index(max(part))
-    if part[i] > MOST_SETTLED:
-        lines.append(
+def _at_rest(facts: Facts) -> Iterator[str]:
+    """Check settlement relative to the height of the block, and pressure, at rest."""
+    carried, area = facts.carried, facts.area
+    if not len(carried):
+        return
+    settled = [force / (law.stiffness * a) for force, law, a in zip(carried, facts.laws, area, strict=True)]
+    part = [own / facts.height[upper] for own, upper in zip(settled, facts.upper, strict=True)]
+    for i in _worst(part, MOST_SETTLED):
+        yield (
             f"{facts.joint_key(i)}.stiffness = {facts.laws[i].stiffness:g}: {facts.block_name(facts.upper[i])} settles "
             f"by {settled[i]:.3g} m at rest, {part[i]:.2g} of its height; {UNITS_OF_STIFFNESS}"
         )
-    # pressure
-    pressure = [carried / area for carried, area, _, _ in each]
-    i = pressure.index(max(pressure))
-    if pressure[i] > MOST_PRESSED:
-        lines.append(
-            f"{facts.joint_name(i)}: carries {facts.carried[i]:.3g} N on {facts.area[i]:.3g} m2 at rest, "
+    pressure = [force / a for force, a in zip(carried, area, strict=True)]
+    for i in _worst(pressure, MOST_PRESSED):
+        yield (
+            f"{facts.joint_name(i)}: carries {carried[i]:.3g} N on {area[i]:.3g} m2 at rest, "
             f"{1e-6 * pressure[i]:.3g} MPa, which no stone bears; {UNITS_OF_WEIGHT}"
         )
-    return lines
 
 
-def _of_laws(facts: Facts) -> list[str]:
+def _of_laws(facts: Facts) -> Iterator[str]:
     """Check friction and strength."""
-    lines = []
-    # the largest coefficient of friction
     friction = [law.friction or 0.0 for law in facts.laws]
-    i = friction.index(max(friction)) if friction else 0
-    if friction and friction[i] > MOST_FRICTION:
-        lines.append(
+    for i in _worst(friction, MOST_FRICTION):
+        yield (
             f"{facts.joint_key(i)}.friction = {friction[i]:g}: should be {MOST_FRICTION:g} at most; it is a "
             "coefficient, not an angle in degrees"
         )
-    # the least strength
     strength = [math.inf if law.strength is None else law.strength for law in facts.laws]
-    i = strength.index(min(strength)) if strength else 0
-    if strength and strength[i] < LEAST_STRENGTH:
-        lines.append(
+    for i in _worst([-each for each in strength], -LEAST_STRENGTH):
+        yield (
             f"{facts.joint_key(i)}.strength = {strength[i]:g}: should be {LEAST_STRENGTH:g} at least; strength is a "
             "pressure in Pa, 1 MPa = 1e6 Pa"
         )
-    return lines

@@ -16,14 +16,8 @@ MAX_BLOCKS = 1000
 LENGTH = ((1e-6, 1e6), "a positive length in m, from 1e-6 to 1e6")
 NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "g": ((0.0, 1e6), "an acceleration in m/s2, zero or positive, at most 1e6"),
-    "height": LENGTH,
-    "width": LENGTH,
-    "depth": LENGTH,
-    "top_width": LENGTH,
-    "top_depth": LENGTH,
-    "diameter": LENGTH,
-    "top_diameter": LENGTH,
-    "bore": LENGTH,
+    **dict.fromkeys(("height", "width", "depth", "top_width", "top_depth"), LENGTH),
+    **dict.fromkeys(("diameter", "top_diameter", "bore"), LENGTH),
     "above": ((0.0, 1e6), "a height in m, zero or positive, at most 1e6"),
     "mass": ((1e-9, 1e15), "a positive mass in kg, from 1e-9 to 1e15"),
     "density": ((1e-6, 1e9), "a positive density in kg/m3, from 1e-6 to 1e9"),
@@ -54,19 +48,13 @@ def lengths_in(table: Mapping[str, tuple[tuple[float, float], str]]) -> frozense
 
 
 def check(key: str, value: object) -> float:
-    """Return `value` as a float if it is in the range of the last part of `key`.
-
-    Raises InputError otherwise.
-    """
+    """Return `value` as a float if it is in the range of the last part of `key`. Raises InputError otherwise."""
     limits, meaning = NUMBERS[key.rpartition(".")[2]]
     return check_number(key, value, limits, meaning)
 
 
 def check_choice(key: str, value: object, known: Collection[str]) -> str:
-    """Return `value` if it is one of the `known` names.
-
-    Raises InputError otherwise.
-    """
+    """Return `value` if it is one of the `known` names. Raises InputError otherwise."""
     if not isinstance(value, str) or value not in known:
         raise InputError(f"{key} = {shown(value)}: must be one of {listed(known, value)}")
     return value
@@ -75,16 +63,7 @@ def check_choice(key: str, value: object, known: Collection[str]) -> str:
 def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: str = "") -> None:
     """Raise UnknownKeyError for the first key of a table that is not among the known ones.
 
-    Parameters
-    ----------
-    prefix : str
-        The begin of the message.
-    table : iterable of str
-        The keys.
-    known : collection of str
-        The valid keys.
-    of : str
-        The words after "unknown key", such as " of ...".
+    The message begins with `prefix`; `of` follows "unknown key", as in " of ...".
     """
     for key in table:
         if key not in known:

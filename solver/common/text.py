@@ -42,10 +42,7 @@ def lines_of(path: str | os.PathLike[str], most: int = MOST_RECORD) -> list[str]
 
 
 def number(line: int, text: str) -> float:
-    """Return the number in a field on line `line`; Fortran's D is an exponent.
-
-    Raises InputError if it is not a finite number.
-    """
+    """Return the finite number in a field on line `line`; Fortran's D is an exponent. Raises InputError."""
     stripped = text.strip(" \t")
     value = math.nan
     if _NUMBER.fullmatch(stripped):
@@ -67,10 +64,7 @@ def numbers(line: int, row: str) -> list[float]:
 
 
 def rows_of_numbers(lines: list[str], first: int) -> list[float]:
-    """Return the numbers of all lines from index `first` on.
-
-    Raises InputError if a field is not a finite number.
-    """
+    """Return the numbers of all lines from index `first` on. Raises InputError if a field is not a finite number."""
     return [value for k, row in enumerate(lines[first:], start=first + 1) for value in numbers(k, row)]
 
 

@@ -126,21 +126,10 @@ def check_times(lines: Sequence[int], time: Sequence[float]) -> None:
 
 
 def from_zero(texts: Sequence[str], time: FloatArray) -> tuple[FloatArray, str]:
-    """Shift times to begin at 0 if their rounding error in float64 is too large, as of seconds since 1970.
+    """Shift times (s) to begin at 0 if their rounding error in float64 is too large, as of seconds since 1970.
 
-    Parameters
-    ----------
-    texts : sequence of str
-        The times as written, whose differences are exact.
-    time : ndarray of shape (m,)
-        The times (s).
-
-    Returns
-    -------
-    time : ndarray of shape (m,)
-        The shifted times, or `time` unchanged.
-    warning : str
-        A line that reports the shift, or "".
+    Return them, and a line that reports the shift, or `time` unchanged and "". `texts` are the times as written, whose
+    differences are exact.
     """
     if len(time) < 2 or time[0] == 0.0 or not np.spacing(np.max(np.abs(time))) > MOST_ROUNDED * np.min(np.diff(time)):
         return time, ""
