@@ -112,10 +112,7 @@ def cores() -> int:
 
 
 def workers_of(executor: Any) -> int:
-    """Return the number of tasks that an executor processes at once.
-
-    Raises InputError if it has no `submit`.
-    """
+    """Return the number of tasks that an executor processes at once. Raises InputError if it has no `submit`."""
     if not hasattr(executor, "submit"):
         raise InputError(f"executor = {shown(executor)}: must have submit, as those of concurrent.futures")
     if hasattr(executor, "nthreads"):  # a client of Dask

@@ -45,6 +45,11 @@ class Lines:
         """The durations of the segments (s)."""
         return self.time[1:] - self.time[:-1]
 
+    @cached_property
+    def velocity(self) -> FloatArray:
+        """The velocity at the instants, from rest (m/s)."""
+        return _running(self.steps * (self.before + self.after) / 2.0)
+
 
 @dataclass(frozen=True, eq=False)
 class BaseHistories:
@@ -100,10 +105,7 @@ class Spectrum(Framed):
 
 
 def components(motion: Motion) -> list[Component]:
-    """Return the components that are not zero throughout.
-
-    Raises InputError if all are.
-    """
+    """Return the components that are not zero throughout. Raises InputError if all are."""
     there = [component for component in NAMES if motion.amplitude_of(component) or np.any(getattr(motion, component))]
     if not there:
         raise InputError("the motion is zero throughout, must be an acceleration")
@@ -152,8 +154,7 @@ def divided(parts: NDArray[np.int64]) -> tuple[NDArray[np.int64], FloatArray]:
 def histories(motion: Motion, component: Component = "ax") -> BaseHistories:
     """Compute velocity, displacement and Arias intensity over time; exact for samples."""
     lines = lines_of(motion, component)
-    h, a, b = lines.steps, lines.before, lines.after
-    velocity = _velocity(lines)
+    h, a, b, velocity = lines.steps, lines.before, lines.after, lines.velocity
     displacement = _running(h * velocity[:-1] + h * h * (2.0 * a + b) / 6.0)
     husid = np.pi / (2.0 * STANDARD_GRAVITY) * _running(h * (a * a + a * b + b * b) / 3.0)
     return BaseHistories(lines.time, velocity, displacement, husid)
@@ -162,23 +163,11 @@ def histories(motion: Motion, component: Component = "ax") -> BaseHistories:
 def pgv(motion: Motion, component: Component = "ax") -> float:
     """Return the peak ground velocity of a component (m/s), without the other measures of `intensity`."""
     lines = lines_of(motion, component)
-    return _largest(lines, _velocity(lines))
-
-
-def _velocity(lines: Lines) -> FloatArray:
-    return _running(lines.steps * (lines.before + lines.after) / 2.0)
-
-
-def _largest(lines: Lines, velocity: FloatArray) -> float:
-    """Return the largest |velocity| (m/s), also within segments."""
-    return oscillator.peak(lines.steps, velocity, lines.before, lines.after)
+    return oscillator.peak(lines.steps, lines.velocity, lines.before, lines.after)
 
 
 def intensity(motion: Motion, component: Component = "ax") -> Intensity:
-    """Compute the intensity measures of a component.
-
-    Raises InputError if it is zero throughout.
-    """
+    """Compute the intensity measures of a component. Raises InputError if it is zero throughout."""
     lines, base = lines_of(motion, component), histories(motion, component)
     h, u = lines.steps, base.displacement
     arias = float(base.husid[-1])
@@ -187,7 +176,7 @@ def intensity(motion: Motion, component: Component = "ax") -> Intensity:
     start, end = (_time_of(base.husid, lines, part * arias) for part in (0.05, 0.95))  # of the significant duration
     return Intensity(
         pga=motion.peak(component),
-        pgv=_largest(lines, base.velocity),
+        pgv=oscillator.peak(h, base.velocity, lines.before, lines.after),
         pgd=oscillator.peak(h, u, base.velocity[:-1], base.velocity[1:]),
         final_velocity=float(base.velocity[-1]),
         final_displacement=float(u[-1]),
@@ -329,9 +318,7 @@ def _together(parts: NDArray[np.int64], lines: int) -> Iterator[NDArray[np.int64
 
 def _running(parts: FloatArray) -> FloatArray:
     """Return the cumulative sums, from 0."""
-    sums = np.zeros(len(parts) + 1)
-    np.cumsum(parts, out=sums[1:])
-    return sums
+    return np.append(0.0, np.cumsum(parts))
 
 
 def _without_rounding(steps: FloatArray) -> FloatArray:

@@ -214,21 +214,9 @@ def _load_from(key: str, given: Load | Given, start: float, duration: float) -> 
 
 
 def static_loads(key: str, given: Mapping[str, Given], ports: Sequence[str]) -> FloatArray:
-    """Convert constant loads by port and component to an array (6, ports).
+    """Convert constant loads (N, N m) by port and component to an array (6, ports).
 
-    Parameters
-    ----------
-    key : str
-        The key for messages.
-    given : mapping
-        Port -> component -> number (N, N m).
-    ports : sequence of str
-        The names of the ports.
-
-    Raises
-    ------
-    InputError
-        If a port or component is unknown, or a number is out of range.
+    Raises InputError if a port or component is unknown, or a number is out of range.
     """
     found = np.zeros((len(COMPONENTS), len(ports)))
     if not isinstance(given, Mapping):
@@ -273,10 +261,7 @@ def push_unit(by_loads: bool) -> tuple[float, str]:
 
 
 def place_of(key: str, port: object, ports: Sequence[str]) -> int:
-    """Return the index of a port by its name.
-
-    Raises InputError, with `key`, if there is no such port.
-    """
+    """Return the index of a port by its name. Raises InputError, with `key`, if there is no such port."""
     if not ports:
         raise InputError(f"{key}[{port}]: there are no ports, must be a table [[port]] for it")
     check_choice(key, port, ports)
@@ -288,16 +273,8 @@ def on_one_grid(
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Interpolate the motion of the base and all loads on one grid of times.
 
-    Parameters
-    ----------
-    samples : sequence of ndarray
-        The times (s), ax, ay and az (m/s2) of the base, each (m,).
-    hold : bool
-        Whether the accelerations are held between samples rather than linear.
-    loads : mapping of str to Load
-        The loads by port.
-    ports : sequence of str
-        The names of the ports.
+    `samples` are the times (s), ax, ay and az (m/s2) of the base, (m,) each; the accelerations are linear between them
+    unless they are held. Raises InputError if a port is unknown.
 
     Returns
     -------
@@ -307,11 +284,6 @@ def on_one_grid(
         The accelerations (m/s2) at the instants within the base motion.
     loads : ndarray of shape (2 * 6 * ports * (k - 1),)
         For each interval the values of all loads, then their slopes.
-
-    Raises
-    ------
-    InputError
-        If a port is unknown.
     """
     own, *accelerations = samples
     # merge the instants of the loads, without those that coincide with others but for rounding
@@ -333,27 +305,16 @@ def on_one_grid(
     for port, load in loads.items():
         p = place_of("loads", port, ports)
         acts = (load.time[0] < middle) & (middle < load.time[-1])
-        for c in range(len(COMPONENTS)):
-            value = np.interp(time, load.time, load.values[:, c])
-            found[acts, 0, c, p] = value[:-1][acts]
-            found[acts, 1, c, p] = (np.diff(value) / lengths)[acts]
+        values = np.column_stack([np.interp(time, load.time, value) for value in load.values.T])
+        found[acts, 0, :, p] = values[:-1][acts]
+        found[acts, 1, :, p] = (np.diff(values, axis=0) / lengths[:, None])[acts]
     return time, ax, ay, az, found.ravel()
 
 
 def loads_by_port(given: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> dict[str, dict[str, Any]]:
-    """Convert loads by PORT.COMPONENT to loads by port and component.
+    """Convert loads by PORT.COMPONENT, numbers or files in a folder (`load_from_file`), to loads by port and component.
 
-    Parameters
-    ----------
-    given : mapping
-        PORT.COMPONENT -> a number, or the name of a file (`load_from_file`).
-    folder : path-like
-        The folder of the files.
-
-    Raises
-    ------
-    InputError
-        If a name is not PORT.COMPONENT, or a file is invalid.
+    Raises InputError if a name is not PORT.COMPONENT, or a file is invalid.
     """
     found: dict[str, dict[str, Any]] = {}
     for name, value in given.items():

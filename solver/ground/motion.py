@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -195,15 +196,11 @@ class Motion(Framed, NotebookRepr):
 
     def named(self, name: str) -> Motion:
         """Return the motion with a name for titles; the samples are shared."""
-        made: Motion = object.__new__(Motion)
-        made.__dict__.update(vars(self) | {"name": name})
-        return made
+        return Motion._made(vars(self) | {"name": name})
 
     def with_loads(self, loads: Mapping[str, Load]) -> Motion:
         """Return the motion with loads by the names of their ports (loads.py); the samples are shared."""
-        made: Motion = object.__new__(Motion)
-        made.__dict__.update(vars(self) | {"loads": dict(loads)})
-        return made
+        return Motion._made(vars(self) | {"loads": dict(loads)})
 
     def scaled_to(self, pga: float) -> Motion:
         """Return the motion scaled so that `pga` (m/s2) is its largest |ax|; ay and az are scaled by the same factor.
@@ -350,14 +347,17 @@ class Motion(Framed, NotebookRepr):
         amplitude, frequency : float
             The harmonic part of ax (m/s2, Hz).
         """
-        made: Motion = object.__new__(cls)
-        ay = np.zeros_like(ax)
-        for samples in (time, ax, ay, az):
-            samples.setflags(write=False)
-        made.__dict__.update(
-            time=time, ax=ax, az=az, duration=duration, hold=hold, amplitude=amplitude, frequency=frequency
-        )
-        made.__dict__.update(ay=ay, amplitude_y=0.0, loads={})
+        samples = {"time": time, "ax": ax, "ay": np.zeros_like(ax), "az": az}
+        for values in samples.values():
+            values.setflags(write=False)
+        harmonic = {"amplitude": amplitude, "amplitude_y": 0.0, "frequency": frequency}
+        return cls._made({**samples, "duration": duration, "hold": hold, **harmonic, "loads": {}})
+
+    @classmethod
+    def _made(cls, values: Mapping[str, Any]) -> Motion:
+        """Return a motion of these values, which are not checked."""
+        made = object.__new__(cls)
+        made.__dict__.update(values)
         return made
 
     @classmethod
@@ -488,18 +488,15 @@ class Motion(Framed, NotebookRepr):
         time, ay = record.time, _NONE if record.ay is None else record.ay
         duration = float(time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0))
         motion = cls(time, record.ax, record.az, duration, hold, ay=ay, name=printable(name))
-        for warning in record.warnings:
-            warnings.warn(f"{motion.name or 'record'}: {warning}", InputWarning, stacklevel=2)
+        lines = [*record.warnings]
         # the component that exceeds the strongest one on record most
         peaks = {key: float(np.max(np.abs(getattr(motion, key)))) / STANDARD_GRAVITY for key in STRONGEST}
         key = max(STRONGEST, key=lambda key: peaks[key] / STRONGEST[key])
         if peaks[key] > STRONGEST[key]:
-            warnings.warn(
-                f"{motion.name or 'record'}: largest acceleration {peaks[key]:.4g} g, ground motions "
-                f"reach {STRONGEST[key]:g} g: is it in other units (g, m/s2, cm/s2)?",
-                InputWarning,
-                stacklevel=2,
-            )
+            reach = f"ground motions reach {STRONGEST[key]:g} g: is it in other units (g, m/s2, cm/s2)?"
+            lines.append(f"largest acceleration {peaks[key]:.4g} g, {reach}")
+        for line in lines:
+            warnings.warn(f"{motion.name or 'record'}: {line}", InputWarning, stacklevel=2)
         return motion
 
     @classmethod
@@ -614,10 +611,7 @@ def _at_instants(time: FloatArray, motion: Motion, same: float) -> FloatArray:
 
 
 def _checked_samples(key: str, values: ArrayLike, unit: str) -> FloatArray:
-    """Return a read-only float64 copy of `values` if it is a list of finite numbers.
-
-    Raises InputError otherwise.
-    """
+    """Return a read-only float64 copy of `values` if it is a list of finite numbers. Raises InputError otherwise."""
     if has_masked(values):
         raise InputError(f"{key}: has gaps (masked values), must be numbers in {unit} throughout")
     try:

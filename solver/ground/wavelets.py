@@ -42,7 +42,7 @@ def ricker(amplitude: float, frequency: float) -> Motion:
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     time = _instants(2.0 * RICKER_HALF, frequency)
     x = (np.pi * frequency * (time - RICKER_HALF / frequency)) ** 2
-    return _motion(time, amplitude * (1.0 - 2.0 * x) * np.exp(-x)).named(f"a Ricker wavelet of {frequency:g} Hz")
+    return _motion(time, amplitude * (1.0 - 2.0 * x) * np.exp(-x), f"a Ricker wavelet of {frequency:g} Hz")
 
 
 def one_sine(amplitude: float, frequency: float) -> Motion:
@@ -52,7 +52,7 @@ def one_sine(amplitude: float, frequency: float) -> Motion:
     """
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     time = _instants(1.0, frequency)
-    return _motion(time, amplitude * np.sin(2.0 * np.pi * frequency * time)).named(f"one sine of {frequency:g} Hz")
+    return _motion(time, amplitude * np.sin(2.0 * np.pi * frequency * time), f"one sine of {frequency:g} Hz")
 
 
 def one_cosine(amplitude: float, frequency: float) -> Motion:
@@ -63,7 +63,7 @@ def one_cosine(amplitude: float, frequency: float) -> Motion:
     """
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     time = _instants(1.0, frequency)
-    return _motion(time, amplitude * np.cos(2.0 * np.pi * frequency * time)).named(f"one cosine of {frequency:g} Hz")
+    return _motion(time, amplitude * np.cos(2.0 * np.pi * frequency * time), f"one cosine of {frequency:g} Hz")
 
 
 def mavroeidis_papageorgiou(velocity: float, frequency: float, cycles: float, phase: float = 0.0) -> Motion:
@@ -98,7 +98,7 @@ def mavroeidis_papageorgiou(velocity: float, frequency: float, cycles: float, ph
     bell = angle / cycles
     shape = np.sin(bell) * np.cos(angle + phase) + cycles * np.sin(angle + phase) * (1.0 + np.cos(bell))
     name = f"a Mavroeidis-Papageorgiou pulse of {frequency:g} Hz"
-    return _motion(time, -velocity * np.pi * frequency / cycles * shape).named(name)
+    return _motion(time, -velocity * np.pi * frequency / cycles * shape, name)
 
 
 def filtered_noise(
@@ -136,9 +136,8 @@ def filtered_noise(
     """
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     dt = check_number("dt", dt, POSITIVE, "a positive time in s")
-    duration = check_number(
-        "duration", duration, (10.0 * dt, MOST_SAMPLES * dt), f"10 to {MOST_SAMPLES} steps of {dt} s"
-    )
+    steps = f"10 to {MOST_SAMPLES} steps of {dt} s"
+    duration = check_number("duration", duration, (10.0 * dt, MOST_SAMPLES * dt), steps)
     damping = check_number("damping", damping, (0.01, 0.99), "a part of critical from 0.01 to 0.99")
     seed = check_whole("seed", seed, *SEEDS)
     count = round(duration / dt)
@@ -154,8 +153,7 @@ def filtered_noise(
     weight[[0, -1]] *= 0.5
     samples -= envelope * (np.sum(weight * samples) / np.sum(weight * envelope))
     time = dt * np.arange(count + 1, dtype=np.float64)
-    made = _motion(time, amplitude / np.max(np.abs(samples)) * samples)
-    return made.named(f"noise of {frequency:g} Hz, seed {seed}")
+    return _motion(time, amplitude / np.max(np.abs(samples)) * samples, f"noise of {frequency:g} Hz, seed {seed}")
 
 
 def _restoring(base: FloatArray, dt: float, frequency: float, damping: float) -> FloatArray:
@@ -180,9 +178,8 @@ def _instants(cycles: float, frequency: float) -> FloatArray:
     return cycles / frequency / count * np.arange(count + 1, dtype=np.float64)
 
 
-def _motion(time: FloatArray, ax: FloatArray) -> Motion:
+def _motion(time: FloatArray, ax: FloatArray, name: str) -> Motion:
     """Return the motion of samples at equal steps from 0."""
     duration, az = float(time[-1]), np.zeros(len(time))
-    if np.isfinite(ax).all() and POSITIVE[0] <= duration <= POSITIVE[1] and time[1] > 0.0:
-        return Motion.unchecked(time, ax, az, duration)
-    return Motion(time, ax, az, duration)  # checks the values
+    valid = np.isfinite(ax).all() and POSITIVE[0] <= duration <= POSITIVE[1] and time[1] > 0.0
+    return (Motion.unchecked if valid else Motion)(time, ax, az, duration).named(name)  # Motion raises the error

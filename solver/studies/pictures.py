@@ -326,10 +326,7 @@ def _draw_shares(axes: Axes, results: Results, limit: Limit, along: tuple[str, s
 
 
 def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
-    """Draw one fragility into axes: curve, band, and bins with their bounds.
-
-    `name` is its label in the legend.
-    """
+    """Draw one fragility into axes: curve, band, and bins with their bounds. `name` is its label in the legend."""
     bins = found.bins
     x = np.linspace(0.0, float(bins.edges[-1]), 400)[1:]
     low, high = found.band(x)

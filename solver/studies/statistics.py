@@ -144,10 +144,7 @@ class Fragility(NotebookRepr):
 
 
 def lognormal(intensity: FloatArray, median: float, deviation: float) -> FloatArray:
-    """Return the lognormal distribution function at intensities of any shape.
-
-    `deviation` is that of the logarithm.
-    """
+    """Return the lognormal distribution function at intensities of any shape. `deviation` is that of the logarithm."""
     with needing("studies", "scipy"):
         from scipy.special import ndtr
     with np.errstate(divide="ignore"):

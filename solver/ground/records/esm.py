@@ -21,10 +21,7 @@ def recognised(lines: list[str]) -> bool:
 
 
 def read(lines: list[str]) -> Record:
-    """Read the record.
-
-    Raises InputError if a key is missing or a value is wrong.
-    """
+    """Read the record. Raises InputError if a key is missing or a value is wrong."""
     header: dict[str, tuple[int, str]] = {}  # key -> line, value
     first = 0
     for first, text in enumerate(lines):

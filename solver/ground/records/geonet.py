@@ -34,9 +34,8 @@ def read(lines: list[str], channel: int | None = None) -> Record:
     first = [k for k, line in enumerate(lines) if _FIRST.match(line)]
     k = first[place_of_channel(channel, [_direction(lines, k) for k in first])]
     # its header
-    header = lines[k : k + _HEADER]
-    counts = fixed_columns(k + _INTEGERS + 1, header[_INTEGERS], 8) if len(header) == _HEADER else []
-    steps = fixed_columns(k + _REALS + 1, header[_REALS], 8) if len(header) == _HEADER else []
+    is_whole = len(lines) >= k + _HEADER
+    counts, steps = (fixed_columns(at + 1, lines[at], 8) if is_whole else [] for at in (k + _INTEGERS, k + _REALS))
     if len(counts) <= _COUNT or len(steps) <= _STEP:
         raise InputError(f"line {k + 1}: a channel without its {_HEADER} lines of header")
     # its samples

@@ -28,10 +28,7 @@ def recognised(lines: list[str]) -> bool:
 
 
 def read(lines: list[str]) -> Record:
-    """Read the record.
-
-    Raises InputError on another quantity, wrong units, number of samples, step or value.
-    """
+    """Read the record. Raises InputError on another quantity, wrong units, number of samples, step or value."""
     if len(lines) < 4:
         count = len(lines) - (lines[-1] == "")
         raise InputError(f"{count} lines, must be 4 header lines and the samples")

@@ -11,11 +11,9 @@ from . import columns, cosmos, esm, geonet, knet, peer, smc
 from .record import Record
 
 # modules of formats with a header, in the order in which they are recognized
-_FORMATS = (knet, esm, peer, smc)  # of one record: read(lines)
-_OF_CHANNELS = (geonet, cosmos)  # of several: read(lines, channel)
-_READERS = {columns.CSV: columns.read_csv} | {known.NAME: known.read for known in _FORMATS}
-_READERS_OF_CHANNELS = {known.NAME: known.read for known in _OF_CHANNELS}
-NAMES = tuple(sorted({*_READERS, *_READERS_OF_CHANNELS}))
+_FORMATS = {known.NAME: known for known in (knet, esm, peer, smc)}  # of one record: read(lines)
+_OF_CHANNELS = {known.NAME: known for known in (geonet, cosmos)}  # of several: read(lines, channel)
+NAMES = tuple(sorted((columns.CSV, *_FORMATS, *_OF_CHANNELS)))
 HEAD = 12  # lines among which a format that is not supported is recognized
 _OTHERS = {
     "USC and Caltech Volume I and II": r"(FILE\s+\d+ OF UNCORRECTED ACCELEROGRAM DATA|CORRECTED ACCELEROGRAM\s+II)",
@@ -44,15 +42,15 @@ def read_record(
         for key, value, used in (
             ("dt", dt, name == columns.PLAIN),
             ("units", units, name == columns.PLAIN),
-            ("channel", channel, name in _READERS_OF_CHANNELS),
+            ("channel", channel, name in _OF_CHANNELS),
         ):
             if value is not None and not used:
                 raise InputError(f"{key} = {shown(value)}: must be left out, the file is {name} and says all itself")
         if name == columns.PLAIN:
             return columns.read_plain(lines, dt, units, NAMES)
-        if name in _READERS_OF_CHANNELS:
-            return _READERS_OF_CHANNELS[name](lines, channel)
-        return _READERS[name](lines)
+        if name in _OF_CHANNELS:
+            return _OF_CHANNELS[name].read(lines, channel)
+        return columns.read_csv(lines) if name == columns.CSV else _FORMATS[name].read(lines)
 
 
 def _refuse_others(lines: list[str], units: str | None) -> None:
@@ -71,10 +69,7 @@ def _refuse_others(lines: list[str], units: str | None) -> None:
 
 
 def format_of(path: str | os.PathLike[str]) -> str:
-    """Return the name of the format of a file.
-
-    Raises InputError that begins with `path` if it cannot be read.
-    """
+    """Return the name of the format of a file. Raises InputError that begins with `path` if it cannot be read."""
     with reading(path):
         return _format(lines_of(path))
 
@@ -84,10 +79,10 @@ def has_channels(path: str | os.PathLike[str]) -> bool:
     with reading(path):
         lines = lines_of(path)
         name = _format(lines)
-        return any(name == known.NAME and known.count_channels(lines) > 1 for known in _OF_CHANNELS)
+        return name in _OF_CHANNELS and _OF_CHANNELS[name].count_channels(lines) > 1
 
 
 def _format(lines: list[str]) -> str:
     if columns.recognised(lines):
         return columns.CSV
-    return next((known.NAME for known in (*_FORMATS, *_OF_CHANNELS) if known.recognised(lines)), columns.PLAIN)
+    return next((name for name, known in (_FORMATS | _OF_CHANNELS).items() if known.recognised(lines)), columns.PLAIN)

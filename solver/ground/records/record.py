@@ -31,25 +31,9 @@ class Record:
 def equally_spaced(
     name: str, dt: float, samples: Sequence[float] | FloatArray, title: str = "", notes: tuple[str, ...] = ()
 ) -> Record:
-    """Return the record of samples (m/s2) at k dt (s).
+    """Return the record of ax (m/s2) at k dt (s), in the format `name`; title and notes as of a Record.
 
-    Parameters
-    ----------
-    name : str
-        The name of the format.
-    dt : float
-        The sampling interval (s).
-    samples : sequence of float
-        The acceleration ax (m/s2).
-    title : str
-        The description in the file.
-    notes : tuple of str
-        The changes made to the samples.
-
-    Raises
-    ------
-    InputError
-        Unless dt > 0 and there are at least two samples.
+    Raises InputError unless dt > 0 and there are at least two samples.
     """
     dt = check_number("dt", dt, POSITIVE, "a positive time in s")
     if len(samples) < 2:
@@ -60,15 +44,7 @@ def equally_spaced(
 
 
 def gap_in(time: FloatArray, *components: FloatArray) -> str:
-    """Return the warning of the longest gap between samples that are not zero, or "".
-
-    Parameters
-    ----------
-    time : ndarray of shape (m,)
-        The times (s).
-    *components : ndarray of shape (m,)
-        The accelerations (m/s2).
-    """
+    """Return the warning of the longest gap between samples (s; m/s2), (m,) each, that are not all zero, or ""."""
     steps, moving = np.diff(time), np.any(components, axis=0)
     usual = float(np.median(steps))
     k = int(np.argmax(np.where(moving[:-1] | moving[1:], steps, 0.0)))

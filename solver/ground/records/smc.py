@@ -20,10 +20,7 @@ def recognised(lines: list[str]) -> bool:
 
 
 def read(lines: list[str]) -> Record:
-    """Read the record.
-
-    Raises InputError if count or rate is missing, or a value is wrong.
-    """
+    """Read the record. Raises InputError if count or rate is missing, or a value is wrong."""
     integers = _values(lines, _INTEGERS, _REALS, 10)
     reals = _values(lines, _REALS, _COMMENTS, 15)
     if len(integers) <= _COUNT or len(reals) <= _RATE or not reals[_RATE] > 0.0 or integers[_COUNT_OF_COMMENTS] < 0.0:
