@@ -331,8 +331,7 @@ def _factors(alpha: float, g: float, heights: FloatArray) -> FloatArray:
     area = np.sum(c * _integral(rate, shift)).real
     square = np.sum(np.outer(c, c) * _integral(np.add.outer(rate, rate), np.add.outer(shift, shift))).real
     shape = (c @ np.exp(np.outer(rate, heights) + shift[:, None])).real
-    factors: FloatArray = area / square * shape
-    return factors
+    return area / square * shape
 
 
 def _integral(rate: Any, shift: Any) -> Any:

@@ -51,8 +51,7 @@ def free_peak(u: FloatArray, v: FloatArray, omega: FloatArray, damping: float) -
     b = (v + damping * omega * u) / damped
     t = np.mod(np.arctan2(v, damped * u + damping * omega * b), np.pi) / damped  # the first extremum
     extremum = np.exp(-damping * omega * t) * (u * np.cos(damped * t) + b * np.sin(damped * t))
-    largest: FloatArray = np.maximum(np.abs(u), np.abs(extremum))
-    return largest
+    return np.maximum(np.abs(u), np.abs(extremum))
 
 
 def peaks(steps: FloatArray, values: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
@@ -87,8 +86,7 @@ def _turns(u0: FloatArray, u1: FloatArray, v0: FloatArray, v1: FloatArray) -> Fl
     """
     a, b = 6.0 * (u0 - u1) + 3.0 * (v0 + v1), 6.0 * (u1 - u0) - 4.0 * v0 - 2.0 * v1
     x = 2.0 * v0 / (-b + np.copysign(np.sqrt(b * b - 4.0 * a * v0), v0))  # the root of a x^2 + b x + v0 in between
-    top: FloatArray = np.abs(u0 + x * (v0 + x * (b / 2.0 + x * a / 3.0)))
-    return top
+    return np.abs(u0 + x * (v0 + x * (b / 2.0 + x * a / 3.0)))
 
 
 def _one_step(

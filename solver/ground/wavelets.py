@@ -160,8 +160,7 @@ def _restoring(base: FloatArray, dt: float, frequency: float, damping: float) ->
     """Return the force of spring and dashpot of an oscillator per unit mass (m/s2) under base accelerations."""
     omega = 2.0 * np.pi * frequency
     u, v = oscillator.response(np.full(len(base) - 1, dt), base[:-1], base[1:], np.array([omega]), damping)
-    force: FloatArray = 2.0 * damping * omega * v[:, 0] + omega**2 * u[:, 0]
-    return force
+    return 2.0 * damping * omega * v[:, 0] + omega**2 * u[:, 0]
 
 
 def _amplitude(value: float) -> float:

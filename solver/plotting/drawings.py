@@ -78,23 +78,10 @@ def plot_model(
 
 
 def draw_column(axes: Axes, response: Shapes, k: int, scale: float, linewidth: float = 1.0) -> list[Polygon]:
-    """Draw one row of a response on axes of equal units, and return the outlines of the blocks.
+    """Draw row k of a response on axes of equal units, and return the outlines of the blocks, from the top down.
 
-    Parameters
-    ----------
-    axes : Axes
-    response : Shapes
-    k : int
-        Index of the row.
-    scale : float
-        Factor on rotations and openings.
-    linewidth : float
-        Width of the outlines, points; the ground is drawn three times as thick.
-
-    Returns
-    -------
-    list of Polygon
-        One for each block, from the top down.
+    `scale` is the factor on rotations and openings, `linewidth` (points) the width of the outlines; the ground is drawn
+    three times as thick.
     """
     patches = [
         Polygon(corners, facecolor=STONE, edgecolor=INK, linewidth=linewidth)
@@ -108,9 +95,8 @@ def draw_column(axes: Axes, response: Shapes, k: int, scale: float, linewidth: f
     reach = 0.6 * width + max(SHOWN * height, scale * float(np.max(np.abs(response.ux))))
     axes.axhline(0.0, color=INK, linewidth=3.0 * linewidth)
     axes.plot([0.0, 0.0], [0.0, 1.03 * height], color=INK, linewidth=0.7, linestyle=":")
-    axes.set(
-        xlim=(-min(reach, 1.5 * height), min(reach, 1.5 * height)), ylim=(-0.03 * height, 1.1 * height), aspect="equal"
-    )
+    side = min(reach, 1.5 * height)
+    axes.set(xlim=(-side, side), ylim=(-0.03 * height, 1.1 * height), aspect="equal")
     axes.set_axis_off()
     return patches
 
@@ -214,11 +200,9 @@ def _peak(response: Response) -> int:
 
 def row_at(response: Any, at: float) -> int:
     """Return the row of a response that is nearest to a time, s. Raises InputError if it is not one of the run."""
-    time = response.time
-    at = check_number(
-        "at", at, (float(time[0]), float(time[-1])), f"a time of the response, {time[0]:g} to {time[-1]:g} s"
-    )
-    return int(np.argmin(np.abs(time - at)))
+    begin, end = response.time[[0, -1]].tolist()
+    at = check_number("at", at, (begin, end), f"a time of the response, {begin:g} to {end:g} s")
+    return int(np.argmin(np.abs(response.time - at)))
 
 
 def check_scale(scale: float) -> float:

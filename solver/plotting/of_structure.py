@@ -104,8 +104,7 @@ def _reached(response: SpatialResponse, scale: float, end: float) -> FloatArray:
     built = all_corners(response.model)
     low, high = built.min(axis=0), built.max(axis=0)
     most = float(np.max(high - low))  # a block that flies off leaves the picture
-    within: FloatArray = np.clip(np.concatenate(corners), low - most, high + most)
-    return within
+    return np.clip(np.concatenate(corners), low - most, high + most)
 
 
 def plot_plan(
@@ -123,8 +122,7 @@ def plot_plan(
         i = response.model.number(block)
         axes.plot(1e3 * response.ux[:, i], 1e3 * response.uy[:, i], linewidth=0.9, label=plain(response.model.names[i]))
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("$u_x$ (mm)")
-    axes.set_ylabel("$u_y$ (mm)")
+    axes.set(xlabel="$u_x$ (mm)", ylabel="$u_y$ (mm)")
     axes.grid(alpha=0.3)
     axes.legend()
     return save(figure, path, DPI)

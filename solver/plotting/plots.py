@@ -138,41 +138,23 @@ def plot_histories(
     """Draw the base motion, and below it the histories of every block and of the joint under it.
 
     If there are more blocks than colours, some blocks have lines, a band shows the envelope of all, and the peaks are
-    drawn over the height.
+    drawn over the height. Raises InputError if there are fewer than two instants, and as `save` does; OSError.
 
     Parameters
     ----------
-    time : array (nt,)
-        Times, s, equally spaced.
-    histories : mapping of str to array (nt, n)
-        The quantities `HISTORIES` in SI units, block 1 (the top) first, as in `Response`. With uz the last moments
-        before a fall are drawn, with slip that of a column that slides.
-    column : Column
-    motion : Motion, optional
-        Motion of the base on the same clock. Default: not drawn.
-    title : str, optional
-        Default: the column, the motion and its PGA.
+    time, histories
+        Times, s, equally spaced, and the quantities `HISTORIES` (nt, n) in SI units, as in `Response`. With uz the last
+        moments before a fall are drawn, with slip that of a column that slides.
+    column, motion, title
+        The title is by default the column, the motion of the base on the same clock and its PGA.
     overturn_time : float
         Time of the fall, s, NaN while the column stands; rows long after it are left out.
-    path : path-like, optional
-        File to save to, in the format of its suffix.
     ensemble : array (3, nt, n), optional
         The 16 %, 50 % and 84 % points of ux among many runs, m; NaN where there are none.
     verdict : tuple of str, optional
         A word of `Response.verdict`, and a sentence.
     peaks : mapping of str to array (n,), optional
         Peaks of the continuous motion, as `Response.peaks`; marked where the rows miss them.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    InputError
-        If there are fewer than two instants, or matplotlib knows no format of that suffix.
-    OSError
-        If the file cannot be written.
     """
     if len(time) < 2:
         raise InputError(f"time: {len(time)} sample, must be at least 2 to draw a history")
@@ -303,26 +285,24 @@ def _draw_side_panels(figure: Figure, shown: _Shown) -> None:
     grid = figure.axes[0].get_subplotspec().get_gridspec()  # type: ignore[union-attr]
     last = grid.nrows - 1 - shown.has_last_moments
     if shown.has_profiles:
-        draw_profiles(_split(figure, grid[last, :], 4), shown.column, _largest(shown), shown.chosen)
+        draw_profiles(_split(grid[last, :], 4), shown.column, _largest(shown), shown.chosen)
         last -= 1
     if shown.has_last_moments:
         places = DisplacementHistories(shown.column, *(shown.histories[name] for name in ("ux", "uz", "ry")))
-        draw_last_moments(_split(figure, grid[-1, :], 6), shown.time, places, shown.gone, shown.overturn_time)
+        draw_last_moments(_split(grid[-1, :], 6), shown.time, places, shown.gone, shown.overturn_time)
     if shown.has_slip:
         draw_offsets(figure.add_subplot(grid[last, 1]), 1e3 * shown.histories["slip"][-1])
 
 
-def _split(figure: Figure, place: SubplotSpec, count: int) -> list[Axes]:
+def _split(place: SubplotSpec, count: int) -> Sequence[Axes]:
     """Return `count` panels side by side."""
-    parts = place.subgridspec(1, count)
-    return [figure.add_subplot(parts[0, k]) for k in range(count)]
+    return place.subgridspec(1, count).subplots(squeeze=False)[0]
 
 
 def _largest(shown: _Shown) -> dict[str, FloatArray]:
     """Return the peak of each quantity, (n,), and the least contact, of the motion or of the rows before a fall."""
-    rows = {name: np.fmax.reduce(np.abs(values[: shown.gone])) for name, values in shown.histories.items()} | {
-        "contact": np.min(shown.histories["contact"][: shown.gone], axis=0)
-    }
+    rows = {name: np.fmax.reduce(np.abs(values[: shown.gone])) for name, values in shown.histories.items()}
+    rows["contact"] = np.min(shown.histories["contact"][: shown.gone], axis=0)
     if "T/N" in rows:
         rows["friction"] = rows["T/N"]
     return rows | dict(shown.peaks)
@@ -384,9 +364,8 @@ def _mark_peak(axes: Axes, panel: _Panel, shown: _Shown) -> None:
     top = int(np.argmax(true))
     of = "block" if panel.name in ("ux", "ry", "slip") else "joint"
     value = f"{three_digits(panel.factor * true[top])} {panel.unit}".rstrip()
-    note_on_right(
-        axes, f"{'before the fall' if math.isfinite(shown.overturn_time) else 'peak'} {value}, {of} {top + 1}"
-    )
+    until = "before the fall" if math.isfinite(shown.overturn_time) else "peak"
+    note_on_right(axes, f"{until} {value}, {of} {top + 1}")
     # marks of missed peaks; an arrow outwards where a peak is far beyond the rows
     missed = [i for i in (*shown.chosen, top) if true[i] > MISSED * max(largest[i], 1e-300)]
     low, high = axes.get_ylim()

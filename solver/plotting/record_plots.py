@@ -21,23 +21,7 @@ _STYLES: dict[str, str] = {"ax": "-", "ay": "-.", "az": "--"}
 def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw motions under their names, and save the figure if `path` is given; a vertical component is dashed.
 
-    Parameters
-    ----------
-    motions : mapping of str to Motion
-        Name to motion.
-    path : path-like, optional
-        File to save to.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    InputError
-        If there is no motion, a motion is zero, or the suffix is unknown.
-    OSError
-        If the file cannot be written.
+    Raises InputError if there is no motion, or one is zero; InputError, OSError as `save` does.
     """
     if not motions:
         raise InputError("no record to draw")

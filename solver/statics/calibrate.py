@@ -156,8 +156,7 @@ class ModulusFit:
     @property
     def difference(self) -> FloatArray:
         """The relative difference of the fitted from the measured frequencies, (m,)."""
-        found: FloatArray = self.fitted / self.measured - 1.0
-        return found
+        return self.fitted / self.measured - 1.0
 
     @property
     def determined(self) -> NDArray[np.bool_]:
@@ -245,8 +244,7 @@ def _fitted(column: Column, measured: FloatArray, each: bool) -> ModulusFit:
             found = sway_frequencies(with_joints(column, moduli(logarithms)))
         except (InputError, SolverError):  # too soft to stand, or beyond any modulus
             return np.full(known.size, -1.0)
-        difference: FloatArray = found[known] / measured[known] - 1.0
-        return difference
+        return found[known] / measured[known] - 1.0
 
     def sensitivity(logarithms: FloatArray) -> FloatArray:
         steps = NUDGE * np.eye(count)
@@ -311,8 +309,7 @@ def sway_frequencies(column: Column) -> FloatArray:
     """Return the natural frequencies of the n sway modes (Hz), ascending. Raises as `natural_modes` does."""
     check_type("column", column, Column)
     modes = modes_about_rest(column)
-    found: FloatArray = modes.frequency[modes.sways]
-    return found
+    return modes.frequency[modes.sways]
 
 
 # --- damping
@@ -557,12 +554,10 @@ def free_vibration(time: ArrayLike, values: ArrayLike) -> FreeVibration:
         phase = omega * math.sqrt(1.0 - ratio * ratio) * t
         decay = np.exp(-ratio * omega * t)
         parts = np.column_stack([decay * np.cos(phase), decay * np.sin(phase), np.ones_like(t)])
-        found: FloatArray = parts @ np.linalg.lstsq(parts, y, rcond=None)[0]
-        return found
+        return parts @ np.linalg.lstsq(parts, y, rcond=None)[0]
 
     def missed(unknowns: FloatArray) -> FloatArray:
-        difference: FloatArray = (fit(unknowns) - y) / math.sqrt(variance)
-        return difference
+        return (fit(unknowns) - y) / math.sqrt(variance)
 
     # fit from several damping ratios, and keep the best
     start = _strongest_frequency(t, y)

@@ -90,8 +90,7 @@ def check_row(head: Mapping[str, Any], row: Any) -> None:
 
 def kept_in(head: Mapping[str, Any]) -> Mapping[str, Kept]:
     """Return the results that can be kept of a run, by name, for the study of this head."""
-    known: Mapping[str, Kept] = kind_in(head).kept
-    return known
+    return kind_in(head).kept
 
 
 def length_of(head: Mapping[str, Any], name: str) -> int:

@@ -62,8 +62,7 @@ class Distribution:
 
     def at(self, quantile: FloatArray) -> FloatArray:
         """Return the values at the quantiles (any shape), each between 0 and 1, both excluded."""
-        value: FloatArray = _AT[self.kind](quantile, **dict(self.numbers))
-        return value
+        return _AT[self.kind](quantile, **dict(self.numbers))
 
     def to_table(self) -> dict[str, Any]:
         """Return the table from which `from_table` builds this distribution."""
@@ -95,8 +94,7 @@ def _normal(
         sign = 1.0 if last < 0.0 else -1.0
         near, far = (log_ndtr(sign * end) for end in (first, last))
         inside = sign * ndtri_exp(np.logaddexp(near + np.log1p(-quantile), far + np.log(quantile)))
-    value: FloatArray = np.clip(mean + deviation * inside, low, high)
-    return value
+    return np.clip(mean + deviation * inside, low, high)
 
 
 def _lognormal(

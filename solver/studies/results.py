@@ -73,8 +73,7 @@ class Results(Framed, NotebookRepr):
     @property
     def study(self) -> dict[str, Any]:
         """The study as plain data."""
-        found: dict[str, Any] = self.head["study"]
-        return found
+        return self.head["study"]
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """Return a column of the table. Raises KeyError that lists the columns."""

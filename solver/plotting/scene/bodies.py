@@ -142,12 +142,8 @@ def walls_of(model: Any) -> tuple[SceneBody, ...]:
 def poses(bodies: Sequence[Any], histories: Any) -> tuple[FloatArray, FloatArray]:
     """Return displacements, m, and rotations, rad, (rows, n, 3) each, of a response.
 
-    Parameters
-    ----------
-    bodies : sequence
-        Objects with the attributes `reach` and `tilt` of a SceneBody.
-    histories : object
-        Has ux, uy, uz, rx, ry, rz, or ux, uz, ry of a column, (rows, n) each.
+    The bodies have `reach` and `tilt` of a SceneBody; the histories, (rows, n) each, ux, uy, uz, rx, ry, rz, or those
+    of a column, ux, uz, ry.
     """
     if hasattr(histories, "rz"):
         found = [np.stack([getattr(histories, f"{kind}{axis}") for axis in "xyz"], axis=-1) for kind in "ur"]
@@ -216,8 +212,7 @@ def surfaces(block: Solid) -> tuple[Surface, ...]:
 
 def _inner(face: Face) -> FloatArray:
     """Return the points of the rim of the hole of a face."""
-    found: FloatArray = face.centre + (face.points(SIDES) - face.centre) * (face.bore / face.radius)
-    return found
+    return face.centre + (face.points(SIDES) - face.centre) * (face.bore / face.radius)
 
 
 def _between(
@@ -239,8 +234,7 @@ def normal_of(points: FloatArray) -> FloatArray:
     """Return the unit normal of a plane polygon."""
     arms = points - points[0]
     area = np.sum(np.cross(arms[1:-1], arms[2:]), axis=0)
-    found: FloatArray = area / max(float(np.linalg.norm(area)), 1e-300)
-    return found
+    return area / max(float(np.linalg.norm(area)), 1e-300)
 
 
 @parts_of.register
@@ -283,8 +277,7 @@ def _of_block(
 
     def ring(wide: float, deep: float, height: float, oblique: float, outline: FloatArray = ROUND) -> FloatArray:
         x, y = 0.5 * wide * outline[0], 0.5 * (wide if outline is ROUND else deep) * outline[1]
-        found: FloatArray = np.column_stack([x, y, height - x * math.tan(oblique)]) @ turned.T
-        return found
+        return np.column_stack([x, y, height - x * math.tan(oblique)]) @ turned.T
 
     # bottom, top, hole and rims of the joint
     low, high = (ring(*end, z, oblique, own) for end, z, oblique in zip(ends, heights, (below, above), strict=True))

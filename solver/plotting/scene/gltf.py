@@ -38,21 +38,10 @@ def write_gltf(response: Any, path: str | os.PathLike[str]) -> None:
 
 
 def animated(found: bytes, time: FloatArray, histories: Mapping[str, FloatArray]) -> bytes:
-    """Return the glTF of `still` with the motion given by the outputs of its FMU as an animation.
+    """Return the glTF of `still`, made with `in_plane`, with the motion of its FMU as an animation.
 
-    Parameters
-    ----------
-    found : bytes
-        Result of `still`, with `in_plane`.
-    time : array (rows,)
-        Times, s.
-    histories : mapping of str to array (rows,)
-        Outputs by name: block[1].ux or block1.ux, and so on.
-
-    Raises
-    ------
-    InputError
-        If an output is missing.
+    The histories (rows,) are the outputs by name: block[1].ux or block1.ux, and so on. Raises InputError if one is
+    missing.
     """
     bodies = [SimpleNamespace(**node["extras"]) for node in _parts(found)[0]["nodes"] if "extras" in node]
     outputs = OF_COLUMN if bodies[0].in_plane else OF_STRUCTURE
@@ -74,8 +63,7 @@ def animated(found: bytes, time: FloatArray, histories: Mapping[str, FloatArray]
 def quaternions(turn: FloatArray) -> FloatArray:
     """Return the quaternions (..., 4), the real part last, of rotations, axis times angle, rad (..., 3)."""
     angle = np.linalg.norm(turn, axis=-1, keepdims=True)
-    found: FloatArray = np.concatenate([0.5 * np.sinc(0.5 * angle / np.pi) * turn, np.cos(0.5 * angle)], axis=-1)
-    return found
+    return np.concatenate([0.5 * np.sinc(0.5 * angle / np.pi) * turn, np.cos(0.5 * angle)], axis=-1)
 
 
 class _Buffer:
@@ -106,23 +94,10 @@ class _Buffer:
 def still(
     name: str, bodies: Sequence[SceneBody], in_plane: bool | None = None, walls: Sequence[SceneBody] = ()
 ) -> bytes:
-    """Return the glTF of bodies as built, and of walls, which are visible from one side.
+    """Return the .glb file of bodies as built, and of walls, of one surface each, which are visible from one side.
 
-    Parameters
-    ----------
-    name : str
-        Name of the scene.
-    bodies : sequence of SceneBody
-    in_plane : bool, optional
-        If given, each node stores the numbers with which `animated` poses it from the outputs of an FMU; True for those
-        of a column in its plane.
-    walls : sequence of SceneBody
-        Walls, of one surface each.
-
-    Returns
-    -------
-    bytes
-        Content of a .glb file.
+    If `in_plane` is given, nodes store the numbers with which `animated` poses them from the outputs of an FMU; it is
+    True for those of a column in its plane.
     """
     n = len(bodies)
     # the position as built is a JSON number of full precision; float32 holds only the displacement

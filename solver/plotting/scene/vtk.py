@@ -125,8 +125,7 @@ class _Shift(NamedTuple):
 
     def flat(self, points: FloatArray) -> FloatArray:
         """Return points as built along the axes, (points, 2) m."""
-        found: FloatArray = (points - self.centre) @ self.axes
-        return found
+        return (points - self.centre) @ self.axes
 
     def upper(self, flat: FloatArray) -> FloatArray:
         """Return the points of the upper face as built that lie over points of the lower one."""
@@ -134,8 +133,7 @@ class _Shift(NamedTuple):
 
     def lower(self, flat: FloatArray) -> FloatArray:
         """Return the points as built of points along the axes, (points, 3) m."""
-        found: FloatArray = self.centre + flat @ self.axes.T
-        return found
+        return self.centre + flat @ self.axes.T
 
 
 def _shift(scene: Scene, k: int, contact: SceneContact, slip: float) -> _Shift:
@@ -161,8 +159,7 @@ def _shift(scene: Scene, k: int, contact: SceneContact, slip: float) -> _Shift:
 
 def _turn(scene: Scene, k: int, i: int) -> FloatArray:
     """Return the rotation vector of a body at an instant, rad; zero for the base."""
-    found: FloatArray = scene.turn[k, i] if i < len(scene.bodies) else np.zeros(3)
-    return found
+    return scene.turn[k, i] if i < len(scene.bodies) else np.zeros(3)
 
 
 def _rotation(angle: float) -> FloatArray:
@@ -257,8 +254,7 @@ def _placed(scene: Scene, k: int, i: int, points: FloatArray) -> FloatArray:
     """Return the positions at an instant of points of a body given as built; those of the base stay."""
     if i >= len(scene.bodies):
         return points
-    found: FloatArray = points + scene.u[k, i] + turned(scene.turn[k, i], points - scene.bodies[i].centroid)
-    return found
+    return points + scene.u[k, i] + turned(scene.turn[k, i], points - scene.bodies[i].centroid)
 
 
 def _placed_parts(
@@ -278,8 +274,7 @@ def _normal(scene: Scene, k: int, contact: SceneContact) -> FloatArray:
     """Return the mean of the normals of both faces, along which a joint opens (theory.md section 13), (3,)."""
     built = normal_of(contact.points)
     normal = 2.0 * built + turned(_turn(scene, k, contact.body), built) + turned(_turn(scene, k, contact.below), built)
-    found: FloatArray = normal / np.linalg.norm(normal)
-    return found
+    return normal / np.linalg.norm(normal)
 
 
 def _depths(apart: FloatArray, normal: FloatArray, contact: SceneContact) -> FloatArray:
@@ -297,12 +292,7 @@ def _depths(apart: FloatArray, normal: FloatArray, contact: SceneContact) -> Flo
 def _loaded(points: FloatArray, closed: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the part of a polygon of the upper face that penetrates the lower one, m, and its depth at the corners, m.
 
-    Parameters
-    ----------
-    points : (corners, 3) float
-        The polygon, m.
-    closed : (corners,) float
-        The depths at its corners, m.
+    `closed` are the depths at the corners of the whole polygon.
     """
     found, depths = [], []
     # clip the polygon at zero closure
