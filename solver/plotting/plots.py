@@ -143,10 +143,11 @@ def plot_histories(
     Parameters
     ----------
     time, histories
-        Times, s, equally spaced, and the quantities `HISTORIES` (nt, n) in SI units, as in `Response`. With uz the last
+        Times, s, equally spaced, and the quantities `HISTORIES` in SI units, (nt, n) as in `Response`. With uz the last
         moments before a fall are drawn, with slip that of a column that slides.
     column, motion, title
-        The title is by default the column, the motion of the base on the same clock and its PGA.
+        Without the motion of the base, on the same clock, it is not drawn. The title is by default the column, the
+        motion and its PGA.
     overturn_time : float
         Time of the fall, s, NaN while the column stands; rows long after it are left out.
     ensemble : array (3, nt, n), optional

@@ -21,20 +21,7 @@ class Made(NamedTuple):
 
 
 def make(study: Study, numbers: Sequence[int]) -> Made:
-    """Simulate the runs of these numbers in one thread; the result of a run does not depend on the others.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    numbers : sequence of int
-        Numbers of the runs, from 0.
-
-    Returns
-    -------
-    Made
-        The rows, and the time that they took.
-    """
+    """Simulate the runs of these numbers, from 0, in one thread; the result of a run does not depend on the others."""
     with lock_held():
         study.columns[0].kind.load(study.columns[0], study.keep)
         begin = clock.perf_counter()

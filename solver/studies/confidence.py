@@ -25,25 +25,14 @@ def likelihood_ends(
 
     A median lies in the region if the likelihood, maximized over the deviations, is at least exp(-q / 2) of the overall
     maximum; a deviation likewise. q is the quantile of chi-squared with one degree of freedom at `CONFIDENCE`. Each run
-    is one trial.
+    is one trial. Return the medians and deviations of the curves, (4, 2).
 
     Parameters
     ----------
-    x : (levels,) float
-        Logarithm of each intensity.
-    runs : (levels,) float
-        Number of runs at each intensity.
-    failed : (levels,) float
-        Number of failed runs at each intensity.
-    best : tuple of float
-        Median and deviation of maximum likelihood.
-    widths : tuple of float
-        Least and largest deviation of a fit.
-
-    Returns
-    -------
-    (4, 2) float
-        Medians and deviations of the curves.
+    x, runs, failed : (levels,) float
+        Logarithm of each intensity, and the numbers of runs and of failed runs there.
+    best, widths : tuple of float
+        Median and deviation of maximum likelihood; least and largest deviation of a fit.
     """
     with needing("studies", "scipy"):
         from scipy.special import log_ndtr

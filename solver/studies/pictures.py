@@ -140,23 +140,10 @@ def draw_sweep(results: Results) -> Figure:
 def _by_frequency(
     results: Results, frequencies: FloatArray, chosen: NDArray[np.bool_]
 ) -> tuple[FloatArray, FloatArray]:
-    """Return percentiles of the peaks of the runs that stand, and the share that fell, by frequency.
+    """Return percentiles of the peaks (m) of the chosen runs that stand, and the share that fell, by frequency (Hz).
 
-    Parameters
-    ----------
-    results : Results
-        The results.
-    frequencies : (frequencies,) float
-        Frequencies (Hz).
-    chosen : (runs,) bool
-        The runs used.
-
-    Returns
-    -------
-    points : (3, frequencies, blocks) float
-        Percentiles (m); NaN where no run stands.
-    fell : (frequencies,) float
-        Share of the finished runs that fell; NaN without one.
+    The percentiles are (3, frequencies, blocks), NaN where no run stands; the shares, of finished runs, are
+    (frequencies,), NaN without one.
     """
     points = np.full((len(PERCENTILES), len(frequencies), results.head["blocks"]), math.nan)
     fell = np.zeros(len(frequencies))
@@ -328,10 +315,7 @@ def _draw_shares(axes: Axes, results: Results, limit: Limit, along: tuple[str, s
 def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
     """Draw one fragility into axes: curve, band, and bins with their bounds. `name` is its label in the legend."""
     bins = found.bins
-    x = np.linspace(0.0, float(bins.edges[-1]), 400)[1:]
-    low, high = found.band(x)
-    axes.fill_between(x, low, high, color=colour, alpha=0.25, linewidth=0.0)
-    axes.plot(x, found.probability(x), color=colour, linewidth=2.0, label=name)
+    _draw_band(axes, np.linspace(0.0, float(bins.edges[-1]), 400)[1:], found, colour, name)
     # bins, and where they would lie if the undecided runs fell too
     errors = np.abs(np.array([bins.low, bins.high]) - bins.share)
     axes.errorbar(bins.middle, bins.share, errors, fmt="o", color=colour, markersize=4.0, capsize=2.5)
@@ -341,6 +325,12 @@ def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
     said = "if the undecided fell too"
     label = said if np.any(some) and said not in axes.get_legend_handles_labels()[1] else ""
     axes.plot(bins.middle[some], with_undecided[some], "o", label=label, **style)
+
+
+def _draw_band(axes: Axes, x: FloatArray, found: Fragility, colour: str, name: str) -> None:
+    """Draw the curve of a fragility at the intensities x, and its band."""
+    axes.fill_between(x, *found.band(x), color=colour, alpha=0.25, linewidth=0.0)
+    axes.plot(x, found.probability(x), color=colour, linewidth=2.0, label=name)
 
 
 def draw_risks(
@@ -363,9 +353,7 @@ def draw_risks(
     panels[0].set_title("hazard; dots: its points", loc="left")
     # fragilities, and the density of the rates
     for (name, one), colour in zip(risks.items(), cycle(_LIMIT_COLOURS), strict=False):
-        low, high = one.fragility.band(x)
-        panels[1].fill_between(x, low, high, color=colour, alpha=0.25, linewidth=0.0)
-        panels[1].plot(x, one.fragility.probability(x), color=colour, linewidth=2.0, label=name)
+        _draw_band(panels[1], x, one.fragility, colour, name)
         panels[2].fill_between(x, one.density(x), color=colour, alpha=0.25, linewidth=0.0)
         panels[2].plot(x, one.density(x), color=colour, linewidth=2.0, label=name)
     measure = hazard.measure
@@ -381,8 +369,7 @@ def draw_risks(
     # caption
     said = [f"{name}: {one}." for name, one in risks.items()]
     said.append(f"Hazard: {hazard}. Bounds: 95 % confidence of the fragility; the hazard is taken as given.")
-    lines = [line for text in said for line in textwrap.wrap(text, width=int(WIDTH * figure.get_figwidth() / 10.0))]
-    figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)
+    _write_below(figure, said)
     header(figure, title)
     return save(figure, path)
 
@@ -556,11 +543,15 @@ def limits_of_model(results: Results) -> str:
     return f"{motion} of rigid blocks on elastic joints that {limits}, {mortar}{beside}."
 
 
-def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
-    paragraphs = [*caption(results)[:-1], *text.splitlines(), limits_of_model(results)]
+def _write_below(figure: Figure, paragraphs: Sequence[str]) -> None:
+    """Write paragraphs below a figure, as wide as it is."""
     letters = int(WIDTH * figure.get_figwidth() / 10.0)
     lines = [line for paragraph in paragraphs for line in textwrap.wrap(paragraph, width=letters)]
     figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)
+
+
+def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:
+    _write_below(figure, [*caption(results)[:-1], *text.splitlines(), limits_of_model(results)])
     columns, motions = _columns(results), _some(results.study["motions"], 3)
     if len(motions) > LONG:
         motions = f"{len(results.study['motions'])} motions"  # the caption names them

@@ -274,19 +274,8 @@ def rates_between(hazard: Hazard, edges: FloatArray, curves: FloatArray) -> Floa
     With x = log s, H = H1 exp(-k (x - x1)) and P = ndtr(z), z = (x - log median) / b, the integral from x to infinity
     is H P + H1 exp(k (x1 - log median) + (k b)**2 / 2) ndtr(-z - k b).
 
-    Parameters
-    ----------
-    hazard : Hazard
-        The hazard H.
-    edges : (ranges + 1,) float
-        Increasing intensities, from 0 to infinity.
-    curves : (curves, 2) float
-        Medians and deviations of lognormal fragilities P.
-
-    Returns
-    -------
-    (curves, ranges) float
-        Annual rates of failure by motions of each range.
+    The `edges` are increasing intensities, from 0 to infinity, (ranges + 1,), the `curves` medians and deviations of
+    lognormal fragilities P, (curves, 2). Return the annual rates of failure by motions of each range, (curves, ranges).
     """
     with needing("studies", "scipy"):
         from scipy.special import log_ndtr, ndtr
@@ -317,18 +306,15 @@ def risk_text(failure: str, found: Risk) -> str:
     low, high = found.hazard.intensity[[0, -1]]
     ranges = [f"{first:g} to {last:g}" for first, last in zip(found.edges[:-1], found.edges[1:], strict=True)]
     shares = ", ".join(f"{text}: {percent(share)}" for text, share in zip(ranges, found.shares, strict=True))
+    why = f"\n  not bounded above: {not_bounded(found.hazard)}; more runs bound it"
+    unbounded = "" if math.isfinite(found.rate_bounds[1]) else why
     return (
         f"{failure}: {found}\n"
         f"  fragility: median {label} {fragility.median:.4g} {unit}, deviation of the logarithm "
         f"{fragility.deviation:.3g}; {fragility.failed} of {fragility.runs} runs failed\n"
         f"  shares of the rate by {label} ({unit}): {shares}\n"
         f"  {below} of the rate is from below {low:g} {unit} and {above} from above {high:g} {unit}, where the hazard "
-        "is extrapolated"
-        + (
-            ""
-            if math.isfinite(found.rate_bounds[1])
-            else f"\n  not bounded above: {not_bounded(found.hazard)}; more runs bound it"
-        )
+        f"is extrapolated{unbounded}"
     )
 
 
