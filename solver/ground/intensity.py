@@ -296,10 +296,12 @@ def _oscillations(
             f"time: samples {shortest:.4g} to {longest:.4g} s apart, must be closer and more even for a spectrum from "
             f"{np.min(period):.4g} s on"
         )
-    parts = wanted.astype(np.int64)
+    # make durations equal that differ only by rounding, so that few distinct values remain
+    parts, unit = wanted.astype(np.int64), 1e-9 * longest
+    even = np.maximum(np.round(lines.steps / unit), 1.0) * unit
     for chosen in _together(parts, len(lines.steps)):
         count = int(parts[chosen[0]])
-        steps = np.repeat(_without_rounding(lines.steps) / count, count)
+        steps = np.repeat(even / count, count)
         found = []
         for one in every:
             rise = (one.after - one.before) / count
@@ -319,9 +321,3 @@ def _together(parts: NDArray[np.int64], lines: int) -> Iterator[NDArray[np.int64
 def _running(parts: FloatArray) -> FloatArray:
     """Return the cumulative sums, from 0."""
     return np.append(0.0, np.cumsum(parts))
-
-
-def _without_rounding(steps: FloatArray) -> FloatArray:
-    """Return the durations with those made equal that differ only by rounding, so that few distinct values remain."""
-    unit = 1e-9 * float(np.max(steps))
-    return np.maximum(np.round(steps / unit), 1.0) * unit

@@ -209,7 +209,9 @@ def simulate(
         if not column.kind.across:
             raise InputError(f"after_fall = {shown(after_fall)}: must be left out, only a structure goes on")
         column = column.going_on(after_fall)
-    _check_ports(motion, column)
+    if column.kind.takes_loads:  # other kinds refuse loads themselves
+        for port in motion.loads:
+            place_of("loads", port, _ports_of(column))
     check_loads(motion, duration)
     check_type("callback", callback, Callable, None)
     plan, spread = RunPlan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
@@ -260,13 +262,6 @@ def _named_as_given(names: Iterable[str]) -> Iterator[None]:
 
 def _ports_of(model: Any) -> list[str]:
     return [port.name for port in getattr(model, "ports", ())]
-
-
-def _check_ports(motion: Motion, model: Any) -> None:
-    """Raise InputError for a load on a port that the model lacks; kinds without ports check this themselves."""
-    if model.kind.takes_loads:
-        for port in motion.loads:
-            place_of("loads", port, _ports_of(model))
 
 
 def _positive(key: str, value: float) -> float:

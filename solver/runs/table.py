@@ -148,10 +148,10 @@ def counts(verdicts: Iterable[str]) -> list[str]:
 
 def joined(parts: Sequence[Table]) -> Table:
     """Concatenate the tables of consecutive runs; columns of blocks become as wide as the widest. Stats are dropped."""
-    responses = {number: response for part in parts for number, response in part.responses.items()}
-    columns = {key: _stacked([part._columns[key] for part in parts]) for key in (parts[0]._columns if parts else ())}
     if not parts:
-        return Table(columns, None, responses)
+        return Table({})
+    responses = {number: response for part in parts for number, response in part.responses.items()}
+    columns = {key: _stacked([part._columns[key] for part in parts]) for key in parts[0]._columns}
     return Table(columns, None, responses, parts[0].first, parts[0]._of, parts[0]._kind)
 
 

@@ -454,7 +454,8 @@ def rim_from_restitution(column: Column, wanted: float | None = None, release: f
     wanted = check_number("restitution", wanted, (1e-6, 1.0 - 1e-9), "a ratio of rotation rates, between 0 and 1")
     with needing("calibrate", "scipy"):
         from scipy.optimize import brentq
-    half = _half_of_face(column)  # m, rim that covers the whole face
+    contact = column.contacts[rocking_part(column).joint - 1]
+    half = min(0.5 * contact.width - 0.25 * contact.bore, 0.5 * contact.depth)  # m, rim that covers the whole face
 
     def fit(rim: float | None) -> RimFit:
         touching = with_rim(column, rim)
@@ -501,12 +502,6 @@ def _damped(column: Column, fit: RimFit, wanted: float, release: float) -> RimFi
     except InputError:
         return fit
     return RimFit(fit.rim, damping, restitution(with_joints(touching, damping=damping), release))
-
-
-def _half_of_face(column: Column) -> float:
-    """Return the width of the rim (m) that covers the whole face under the part that rocks."""
-    contact = column.contacts[rocking_part(column).joint - 1]
-    return min(0.5 * contact.width - 0.25 * contact.bore, 0.5 * contact.depth)
 
 
 def _curve_text(values: list[float]) -> str:

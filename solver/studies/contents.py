@@ -9,7 +9,7 @@ from typing import Any
 from ..common.errors import InputError, check_whole, shown
 from ..common.files import check_file_name
 from ..common.ranges import check_choice
-from ..models.protocol import WORDS, Kept
+from ..models.protocol import WORDS
 from .definition import KINDS, MOST_RUNS, SAMPLINGS
 from .distributions import Random
 from .motions import MEASURES, Measure
@@ -80,7 +80,7 @@ def check_row(head: Mapping[str, Any], row: Any) -> None:
         value = outputs.get(name)
         if name in WORDS:
             check_choice(name, value, (*WORDS[name], FAILED))
-        elif kept_in(head)[name].kind is not None:
+        elif kind_in(head).kept[name].kind is not None:
             _numbers(name, [value])
         else:
             most = length_of(head, name)
@@ -88,17 +88,12 @@ def check_row(head: Mapping[str, Any], row: Any) -> None:
             _numbers(name, value)
 
 
-def kept_in(head: Mapping[str, Any]) -> Mapping[str, Kept]:
-    """Return the results that can be kept of a run, by name, for the study of this head."""
-    return kind_in(head).kept
-
-
 def length_of(head: Mapping[str, Any], name: str) -> int:
     """Return the length of a result of one run, the largest over the models of the study.
 
     It counts blocks for columns; blocks, joints, ties or components for structures.
     """
-    return int(head["sizes"][kept_in(head)[name].of] if "sizes" in head else head["blocks"])
+    return int(head["sizes"][kind_in(head).kept[name].of] if "sizes" in head else head["blocks"])
 
 
 def _must(key: str, value: Any, right: bool, meaning: str) -> None:

@@ -97,7 +97,7 @@ def motion(
     length = significant_duration(magnitude) / SIGNIFICANT
     noise = _noise(ground, length, seed)
     pulse = mavroeidis_papageorgiou(1.0, 1.0 / (period_factor * pulse_period(magnitude)), cycles, math.radians(phase))
-    largest = _largest_velocity(pulse)
+    largest = float(np.max(np.abs(np.cumsum(0.5 * np.diff(pulse.time) * (pulse.ax[1:] + pulse.ax[:-1])))))  # m/s
     # shift both so that the middle of the pulse is that of the strong part of the noise
     before = max(0.0, 0.5 * pulse.duration - STRONGEST * noise.duration)  # delay of the noise after the start
     begin = before + STRONGEST * noise.duration - 0.5 * pulse.duration
@@ -117,8 +117,3 @@ def _noise(ground: float, length: float, seed: int) -> Motion:
     It is cached: it takes longer than all else, and a study needs the same noise at several distances in turn.
     """
     return filtered_noise(1.0, ground, length, seed)
-
-
-def _largest_velocity(pulse: Motion) -> float:
-    step = np.diff(pulse.time)
-    return float(np.max(np.abs(np.cumsum(0.5 * step * (pulse.ax[1:] + pulse.ax[:-1])))))

@@ -20,7 +20,7 @@ from ..common.notebook import NotebookRepr, rows_of
 from ..models.pictures import draw
 from ..models.protocol import WORDS
 from ..runs.table import Columns, counts
-from .contents import FAILED, check_head, check_row, kept_in, length_of
+from .contents import FAILED, check_head, check_row, length_of
 from .definition import Study
 from .journal import check_same_study, read_journal
 from .motions import SPECTRAL
@@ -173,7 +173,7 @@ class Results(Framed, NotebookRepr):
             "runs": self.head["runs"],
         }
         columns = {name: values for name, values in self.columns.items() if name != "run"}
-        of = {name: kept_in(self.head)[name].of for name in self.study["keep"]}
+        of = {name: kind_in(self.head).kept[name].of for name in self.study["keep"]}
         return Frame(("run", self["run"]), columns, UNITS, attributes, of)
 
     def to_netcdf(self, path: str | os.PathLike[str]) -> None:
@@ -206,7 +206,7 @@ def _output(name: str, found: list[dict[str, Any] | None], head: Mapping[str, An
     if name in WORDS:
         absent = FAILED if name == "verdict" else ""
         return np.array([absent if outputs is None else outputs[name] for outputs in found], dtype=np.str_)
-    if kept_in(head)[name].kind is not None:
+    if kind_in(head).kept[name].kind is not None:
         return np.array([math.nan if outputs is None else outputs[name] for outputs in found])
     table = np.full((len(found), length_of(head, name)), math.nan)
     for row, outputs in zip(table, found, strict=True):

@@ -93,14 +93,14 @@ def read_plain(lines: list[str], dt: float | None, units: str | None, headers: S
             f"{KNOWN}"
         )
     factor = factor_of(units)
-    texts = [
-        (k, line.strip())
-        for k, line in enumerate(lines, start=1)
-        if line.strip() and not line.strip().startswith(COMMENTS)
-    ]
+    stripped = ((k, line.strip()) for k, line in enumerate(lines, start=1))
+    texts = [(k, line) for k, line in stripped if line and not line.startswith(COMMENTS)]
     check_no_decimal_commas(texts)
     at, plain = [line for line, _ in texts], [row.translate(_BLANKS) for _, row in texts]
-    rows = [_row(line, row, bare) for (line, row), bare in zip(texts, plain, strict=True)]
+    rows = []
+    for (line, row), bare in zip(texts, plain, strict=True):
+        check_is_numbers(line, row)
+        rows.append(numbers(line, bare))
     # samples at equal steps
     if dt is not None:
         if increases_as_times(rows):
@@ -125,12 +125,6 @@ def read_plain(lines: list[str], dt: float | None, units: str | None, headers: S
 
 def _names(table: TextTable) -> list[str]:
     return [name.lower() for name in table.names]
-
-
-def _row(line: int, row: str, bare: str) -> list[float]:
-    """Return the numbers of a row, given with and without separators. Raises InputError."""
-    check_is_numbers(line, row)
-    return numbers(line, bare)
 
 
 def _kept(rows: list[list[float]]) -> str:
