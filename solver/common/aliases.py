@@ -32,7 +32,7 @@ class Alias:
 
 
 class Renamed(dict[str, Value]):
-    """A dictionary whose old keys still work: `old` has the new keys by them; the warning names the dictionary."""
+    """A dictionary whose old keys still work: `old` has the new key of each, `name` is the dictionary's in warnings."""
 
     def __init__(self, values: Mapping[str, Value], old: Mapping[str, str], name: str) -> None:
         super().__init__(values)

@@ -23,7 +23,7 @@ class Frame:
     units: Mapping[str, str] = field(default_factory=dict)  # of columns and index, by name
     attributes: Mapping[str, Any] = field(default_factory=dict)  # of the data set
     of: Mapping[str, str] = field(default_factory=dict)  # second dimension of a column, if it is not `block`
-    labels: Mapping[str, Sequence[object]] = field(default_factory=dict)  # along a second dimension, if not from 1
+    labels: Mapping[str, Sequence[object]] = field(default_factory=dict)  # of a second dimension, if not 1, 2, 3
 
     def flat(self) -> dict[str, NDArray[Any]]:
         """Return the index and the columns, one for each block such as ux[1], ux[2]."""

@@ -68,6 +68,11 @@ def rows_of_numbers(lines: list[str], first: int) -> list[float]:
     return [value for k, row in enumerate(lines[first:], start=first + 1) for value in numbers(k, row)]
 
 
+def rows_of_columns(lines: list[str], first: int, last: int, width: int) -> list[float]:
+    """Return the numbers of `fixed_columns` in the lines from index `first` up to `last`, which is left out."""
+    return [value for k, row in enumerate(lines[first:last], start=first + 1) for value in fixed_columns(k, row, width)]
+
+
 def fixed_columns(line: int, row: str, width: int) -> list[float]:
     """Return the numbers of a row of columns of `width` characters; columns at its end may be missing.
 

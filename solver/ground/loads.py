@@ -135,9 +135,7 @@ class Load:
             If the duration or the step is out of range.
         """
         check_number("duration", duration, POSITIVE, "a positive time in s")
-        check_number("step", step, (duration / MOST_SAMPLES, duration), "a time in s, at most the duration")
-        count = math.ceil(duration / step - 1e-9)
-        time = start + np.linspace(0.0, duration, count + 1)
+        time = _instants(start, duration, step)
         return cls.of(time, **{name: [function(t) for t in time.tolist()] for name, function in components.items()})
 
     @classmethod
@@ -161,10 +159,7 @@ class Load:
         if motion.amplitude or motion.hold:
             if step is None:
                 raise InputError("step: missing, must be the time in s at which a harmonic or held motion is sampled")
-            least = motion.duration / MOST_SAMPLES
-            check_number("step", step, (least, motion.duration), "a time in s, at most the duration")
-            count = math.ceil(motion.duration / step - 1e-9)
-            time = motion.start + np.linspace(0.0, motion.duration, count + 1)
+            time = _instants(motion.start, motion.duration, step)
         else:
             time = motion.time
         ax = motion.acceleration(time)[0]
@@ -178,6 +173,12 @@ class Load:
     def is_in_plane(self) -> bool:
         """True if Fy, Mx and Mz are zero: nothing moves out of the plane x, z if the port lies in it."""
         return not any(np.any(self.values[:, COMPONENTS.index(name)]) for name in ACROSS)
+
+
+def _instants(start: float, duration: float, step: float) -> FloatArray:
+    """Return evenly spaced instants (s), at most `step` apart. Raises InputError if the step is out of range."""
+    check_number("step", step, (duration / MOST_SAMPLES, duration), "a time in s, at most the duration")
+    return start + np.linspace(0.0, duration, math.ceil(duration / step - 1e-9) + 1)
 
 
 def loads_from(given: Mapping[str, Load | Given], start: float, duration: float) -> dict[str, Load]:

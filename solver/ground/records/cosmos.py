@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from ...common.errors import InputError
-from ...common.text import fixed_columns, number, rows_of_numbers
+from ...common.text import number, rows_of_columns, rows_of_numbers
 from .record import Record, equally_spaced, place_of_channel
 from .units import factor_of
 
@@ -104,9 +104,7 @@ def _accelerations(lines: list[str]) -> list[_Block]:
 
 def _real_header(lines: list[str], first: int, heading: re.Match[str]) -> float:
     """Return the time between samples in the real header (s); 0 if the header is too short."""
-    values: list[float] = []
-    for k, row in enumerate(lines[first : first + int(heading["lines"])], start=first + 1):
-        values += fixed_columns(k, row, int(heading["width"]))
+    values = rows_of_columns(lines, first, first + int(heading["lines"]), int(heading["width"]))
     return values[_STEP - 1] if len(values) >= _STEP else 0.0
 
 
@@ -116,5 +114,4 @@ def _samples(lines: list[str], block: _Block) -> list[float]:
     end = next(ends, len(lines))
     if block.heading["width"] is None:
         return rows_of_numbers(lines[:end], block.line)
-    width = int(block.heading["width"])
-    return [a for k in range(block.line, end) for a in fixed_columns(k + 1, lines[k], width)]
+    return rows_of_columns(lines, block.line, end, int(block.heading["width"]))

@@ -44,7 +44,7 @@ def equally_spaced(
 
 
 def gap_in(time: FloatArray, *components: FloatArray) -> str:
-    """Return the warning of the longest gap between samples (s; m/s2), (m,) each, that are not all zero, or ""."""
+    """Return the warning of the longest gap (s) between samples (m/s2) that are not zero, or ""; (m,) each."""
     steps, moving = np.diff(time), np.any(components, axis=0)
     usual = float(np.median(steps))
     k = int(np.argmax(np.where(moving[:-1] | moving[1:], steps, 0.0)))

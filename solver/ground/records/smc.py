@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from ...common.errors import InputError
-from ...common.text import fixed_columns
+from ...common.text import rows_of_columns
 from .record import Record, equally_spaced
 
 NAME = "USGS SMC"
@@ -21,18 +21,14 @@ def recognised(lines: list[str]) -> bool:
 
 def read(lines: list[str]) -> Record:
     """Read the record. Raises InputError if count or rate is missing, or a value is wrong."""
-    integers = _values(lines, _INTEGERS, _REALS, 10)
-    reals = _values(lines, _REALS, _COMMENTS, 15)
+    integers = rows_of_columns(lines, _INTEGERS, _REALS, 10)
+    reals = rows_of_columns(lines, _REALS, _COMMENTS, 15)
     if len(integers) <= _COUNT or len(reals) <= _RATE or not reals[_RATE] > 0.0 or integers[_COUNT_OF_COMMENTS] < 0.0:
         raise InputError("no header of SMC: must have 48 integers in lines 12 to 17, 50 reals in lines 18 to 27")
     if reals[_RATE] >= 1e30:
         raise InputError("line 18: no samples a second, as of unequal times: take the corrected file")
-    samples = _values(lines, _COMMENTS + int(integers[_COUNT_OF_COMMENTS]), len(lines), 10)
+    samples = rows_of_columns(lines, _COMMENTS + int(integers[_COUNT_OF_COMMENTS]), len(lines), 10)
     if len(samples) != integers[_COUNT]:
         raise InputError(f"{len(samples)} samples found, must be {integers[_COUNT]:g} as line 14 says")
     title = f"{lines[3]} {lines[5]}"
     return equally_spaced(NAME, 1.0 / reals[_RATE], [0.01 * a for a in samples], title)
-
-
-def _values(lines: list[str], first: int, last: int, width: int) -> list[float]:
-    return [a for k in range(first, min(last, len(lines))) for a in fixed_columns(k + 1, lines[k], width)]
