@@ -32,7 +32,17 @@ class Alias:
 
 
 class Renamed(dict[str, Value]):
-    """A dictionary whose old keys still work: `old` has the new key of each, `name` is the dictionary's in warnings."""
+    """A dictionary whose old keys still work.
+
+    Parameters
+    ----------
+    values : mapping
+        The values by their new keys.
+    old : mapping of str to str
+        The new keys by the old ones.
+    name : str
+        The name of the dictionary in the warning.
+    """
 
     def __init__(self, values: Mapping[str, Value], old: Mapping[str, str], name: str) -> None:
         super().__init__(values)

@@ -28,24 +28,67 @@ class Cause(NamedTuple):
 
 
 def is_too_much(work: float, part: float, most: float) -> bool:
-    """Return True if the evaluations of a run exceed `most`, or do by far once extrapolated from the `part` done."""
+    """Return True if a run exceeds its maximum number of evaluations, or its extrapolated work does by far.
+
+    Parameters
+    ----------
+    work : float
+        The evaluations so far.
+    part : float
+        The fraction of the duration that is done.
+    most : float
+        The maximum number of evaluations.
+    """
     return work > most or (work > EARLY and work * (work / most) > HOPELESS * most * part)
 
 
 def too_many_steps(duration: float, first_step: float, omega: float) -> bool:
-    """Return True if a run (s) has too many steps for lanes; `omega` (rad/s) is that of a harmonic motion, or 0."""
+    """Return True if a run has too many steps for lanes.
+
+    Parameters
+    ----------
+    duration : float
+        The duration of the run (s).
+    first_step : float
+        The first step of the model (s).
+    omega : float
+        The angular frequency of a harmonic base motion (rad/s), 0 without one.
+    """
     return duration * max(1.0 / first_step, omega) > MOST_FIRST_STEPS
 
 
 def of_dashpot(key: str, damping: float, unit: str, rate: float) -> Cause:
-    """Describe a dashpot as a cause of short steps; `rate` (1/s) is the decay rate of the lighter of its two bodies."""
+    """Describe a dashpot as a cause of short steps.
+
+    Parameters
+    ----------
+    key : str
+        The key of the damping in the model's file.
+    damping : float
+        The damping, in `unit`.
+    unit : str
+        The unit for the message.
+    rate : float
+        The decay rate of the lighter of the two bodies (1/s).
+    """
     return Cause(rate, f"{key} = {damping:g} {unit}, which stops a block within {1.0 / max(rate, LEAST_RATE):.3g} s")
 
 
 def of_joint(key: str, stiffness: float, area: float, mass: float, damping: float) -> Cause:
     """Describe a joint as a cause of short steps: by the oscillation of its lighter block, or the decay rate.
 
-    `stiffness` (N/m3) is the Winkler modulus, on an `area` (m2); `mass` (kg) that of the lighter block; `damping` in s.
+    Parameters
+    ----------
+    key : str
+        The key of the joint in the model's file.
+    stiffness : float
+        The Winkler modulus (N/m3).
+    area : float
+        The contact area (m2).
+    mass : float
+        The mass of the lighter block (kg).
+    damping : float
+        The damping (s).
     """
     omega = math.sqrt(2.0 * stiffness * area / mass)
     law = f"stiffness = {stiffness:g} N/m3, damping = {damping:g} s"

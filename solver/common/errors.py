@@ -43,7 +43,23 @@ class TooMuchWorkError(SolverError):
 def check_number(key: str, value: object, limits: tuple[float, float], meaning: str) -> float:
     """Return `value` as a float if it is a number within the closed range `limits`.
 
-    A bool is not a number, and neither NaN nor inf is ever in range. Raises InputError "KEY = VALUE: must be MEANING".
+    A bool is not a number, and neither NaN nor inf is ever in range.
+
+    Parameters
+    ----------
+    key : str
+        The key for the message.
+    value : object
+        The value to check.
+    limits : tuple of float
+        The least and the largest valid number.
+    meaning : str
+        The end of the message "must be ...".
+
+    Raises
+    ------
+    InputError
+        If `value` is not a number in the range.
     """
     low, high = limits
     number = math.nan
@@ -71,9 +87,23 @@ def whole(value: object) -> object:
 
 
 def check_whole(key: str, value: object, least: int, most: float, meaning: str) -> int:
-    """Return `value` as an int if it is an integer, and no bool, from `least` to `most`, which may be inf.
+    """Return `value` as an int if it is an integer in a range.
 
-    Raises InputError "KEY = VALUE: must be MEANING".
+    Parameters
+    ----------
+    key : str
+        The key for the message.
+    value : object
+        The value to check; a bool is refused.
+    least, most : int, float
+        The least and the largest valid integer; `most` may be inf.
+    meaning : str
+        The end of the message "must be ...".
+
+    Raises
+    ------
+    InputError
+        If `value` is not an integer in the range.
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
         raise InputError(f"{key} = {shown(value)}: must be {meaning}")

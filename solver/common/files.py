@@ -113,7 +113,14 @@ def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None],
     """Raise InputError before a run if an output file is invalid or cannot be written.
 
     Refused are a missing folder, a file that the same command reads or writes already, and an existing file unless
-    `force` is set. None stands for no file.
+    `force` is set.
+
+    Parameters
+    ----------
+    outputs, inputs : iterable of Path or None
+        The files that the command writes and reads; None for no file.
+    force : bool
+        Whether existing files may be overwritten.
     """
     taken = [*filter(None, inputs)]
     for path in filter(None, outputs):
@@ -163,9 +170,21 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def write_table(path: str | os.PathLike[str], names: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Write a CSV file atomically, its header and rows; text that a spreadsheet would run as a formula is escaped.
+    """Write a CSV file atomically; text that a spreadsheet would run as a formula is escaped.
 
-    Raises OSError if the file cannot be written.
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    names : iterable of str
+        The header.
+    rows : iterable of iterable
+        The cells of each row.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
     """
     with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)

@@ -78,9 +78,16 @@ def outlines(shapes: Iterable[ArrayLike]) -> str:
 def history(
     time: NDArray[np.float64], values: NDArray[np.float64] | Mapping[str, NDArray[np.float64]], label: str
 ) -> str:
-    """Draw histories (m,) over time (s) as SVG lines that keep their peaks, with their range and a label.
+    """Draw histories as SVG lines that keep their peaks, with their range and a label.
 
-    Several lines, three at most, are given by names, which are written in their colours. `label` has the unit.
+    Parameters
+    ----------
+    time : ndarray of shape (m,)
+        The instants (s).
+    values : ndarray of shape (m,), or mapping of str to such arrays
+        The values; of several lines, three at most, by names that are written in their colours.
+    label : str
+        The quantity and its unit.
     """
     places = np.linspace(0, len(time), min(BINS, len(time)) + 1).astype(int)[:-1]
     named = values if isinstance(values, Mapping) else {"": values}

@@ -63,7 +63,16 @@ def check_choice(key: str, value: object, known: Collection[str]) -> str:
 def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: str = "") -> None:
     """Raise UnknownKeyError for the first key of a table that is not among the known ones.
 
-    The message begins with `prefix`; `of` follows "unknown key", as in " of ...".
+    Parameters
+    ----------
+    prefix : str
+        The begin of the message.
+    table : iterable of str
+        The keys.
+    known : collection of str
+        The valid keys.
+    of : str
+        The words after "unknown key", such as " of ...".
     """
     for key in table:
         if key not in known:

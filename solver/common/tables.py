@@ -15,16 +15,38 @@ PLACE = (-1e6, 1e6), "a length in m, at most 1e6 either way"
 
 
 def check_table(prefix: str, table: object, known: Sequence[str]) -> None:
-    """Raise InputError unless `table` is a mapping with known keys only; `prefix` is its own key and a dot, or ""."""
+    """Raise InputError unless `table` is a mapping with known keys only.
+
+    Parameters
+    ----------
+    prefix : str
+        The key of the table and a dot, or "".
+    table : object
+        The table.
+    known : sequence of str
+        The valid keys.
+    """
     if not isinstance(table, Mapping):
         raise InputError(f"{prefix.rstrip('.')} = {shown(table)}: must be a table with the keys {', '.join(known)}")
     check_keys(prefix, table, known)
 
 
 def tables_in(key: str, data: Mapping[str, Any], least: int = 1) -> list[Mapping[str, Any]]:
-    """Return the array of tables of a key, whose last part is the one in `data`.
+    """Return the array of tables of a key.
 
-    Raises InputError if there are fewer tables than `least`, or other values.
+    Parameters
+    ----------
+    key : str
+        The full key; its last part is the one in `data`.
+    data : mapping
+        The table that holds the array.
+    least : int
+        The least number of tables.
+
+    Raises
+    ------
+    InputError
+        If there are fewer tables, or other values.
     """
     tables = data.get(key.rpartition(".")[2], [])
     if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables) or len(tables) < least:
@@ -50,9 +72,29 @@ def numbers_of(
 def vector_of(
     key: str, value: object, count: int, limits: tuple[tuple[float, float], str] = PLACE, meaning: str = ""
 ) -> NDArray[np.float64]:
-    """Convert a list of `count` numbers to a vector.
+    """Convert a list to a vector of numbers.
 
-    `limits` has the range of each number and its meaning, `meaning` is that of the whole list. Raises InputError.
+    Parameters
+    ----------
+    key : str
+        The key for the message.
+    value : object
+        The list.
+    count : int
+        The required length.
+    limits : tuple
+        The range of each number, and its meaning for the message.
+    meaning : str
+        The meaning of the whole list for the message.
+
+    Returns
+    -------
+    ndarray of shape (count,)
+
+    Raises
+    ------
+    InputError
+        If it is not a list of `count` numbers in range.
     """
     if not isinstance(value, (list, tuple, np.ndarray)) or len(value) != count:
         raise InputError(f"{key} = {shown(value)}: must be {meaning or f'a list of {count} numbers'}")

@@ -215,9 +215,21 @@ def _load_from(key: str, given: Load | Given, start: float, duration: float) -> 
 
 
 def static_loads(key: str, given: Mapping[str, Given], ports: Sequence[str]) -> FloatArray:
-    """Convert constant loads (N, N m) by port and component to an array (6, ports).
+    """Convert constant loads by port and component to an array (6, ports).
 
-    Raises InputError if a port or component is unknown, or a number is out of range.
+    Parameters
+    ----------
+    key : str
+        The key for messages.
+    given : mapping
+        Port -> component -> number (N, N m).
+    ports : sequence of str
+        The names of the ports.
+
+    Raises
+    ------
+    InputError
+        If a port or component is unknown, or a number is out of range.
     """
     found = np.zeros((len(COMPONENTS), len(ports)))
     if not isinstance(given, Mapping):
@@ -274,8 +286,16 @@ def on_one_grid(
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Interpolate the motion of the base and all loads on one grid of times.
 
-    `samples` are the times (s), ax, ay and az (m/s2) of the base, (m,) each; the accelerations are linear between them
-    unless they are held. Raises InputError if a port is unknown.
+    Parameters
+    ----------
+    samples : sequence of ndarray
+        The times (s), ax, ay and az (m/s2) of the base, each (m,).
+    hold : bool
+        Whether the accelerations are held between samples rather than linear.
+    loads : mapping of str to Load
+        The loads by port.
+    ports : sequence of str
+        The names of the ports.
 
     Returns
     -------
@@ -285,6 +305,11 @@ def on_one_grid(
         The accelerations (m/s2) at the instants within the base motion.
     loads : ndarray of shape (2 * 6 * ports * (k - 1),)
         For each interval the values of all loads, then their slopes.
+
+    Raises
+    ------
+    InputError
+        If a port is unknown.
     """
     own, *accelerations = samples
     # merge the instants of the loads, without those that coincide with others but for rounding

@@ -13,10 +13,25 @@ from .records.record import FloatArray
 def response(
     steps: FloatArray, before: FloatArray, after: FloatArray, omega: FloatArray, damping: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return displacement (m) and velocity (m/s) of oscillators relative to the base, from rest, (m + 1, p) each.
+    """Compute the motion of oscillators relative to the base, from rest.
 
-    The base acceleration (m/s2) is given at both ends of m line segments of these durations (s); `omega` (rad/s), (p,),
-    are the undamped angular frequencies, `damping` is a ratio, at least 0 and less than 1.
+    Parameters
+    ----------
+    steps : ndarray of shape (m,)
+        The durations of the line segments (s).
+    before, after : ndarray of shape (m,)
+        The base acceleration at both ends of each segment (m/s2).
+    omega : ndarray of shape (p,)
+        The undamped angular frequencies (rad/s).
+    damping : float
+        The damping ratio, at least 0 and less than 1.
+
+    Returns
+    -------
+    u : ndarray of shape (m + 1, p)
+        The relative displacement (m).
+    v : ndarray of shape (m + 1, p)
+        The relative velocity (m/s).
     """
     lengths, which = np.unique(steps, return_inverse=True)
     unit = np.eye(4)
@@ -46,7 +61,21 @@ def _alone(maps: list[list[float]], push_u: list[float], push_v: list[float]) ->
 
 
 def free_peak(u: FloatArray, v: FloatArray, omega: FloatArray, damping: float) -> FloatArray:
-    """Return the largest |u| (m), (p,), of the free vibration from (u, v); `omega` and `damping` as of `response`."""
+    """Return the largest |u| of the free vibration that begins at (u, v).
+
+    Parameters
+    ----------
+    u, v : ndarray of shape (p,)
+        The initial displacement (m) and velocity (m/s).
+    omega : ndarray of shape (p,)
+        The undamped angular frequencies (rad/s).
+    damping : float
+        The damping ratio.
+
+    Returns
+    -------
+    ndarray of shape (p,)
+    """
     damped = omega * np.sqrt(1.0 - damping**2)
     b = (v + damping * omega * u) / damped
     t = np.mod(np.arctan2(v, damped * u + damping * omega * b), np.pi) / damped  # the first extremum
@@ -57,9 +86,21 @@ def free_peak(u: FloatArray, v: FloatArray, omega: FloatArray, damping: float) -
 def peaks(steps: FloatArray, values: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
     """Return the largest absolute values of histories, also between their samples.
 
-    Between two samples a history is the cubic of its values, (m + 1, p), and of the slopes at both ends of each
-    interval, (m, p), which is exact for the velocity of the base, of fourth order for a displacement. `steps` (s) are
-    the durations of the intervals, (m,).
+    Between two samples a history is the cubic of its values and slopes at both ends, which is exact for the velocity of
+    the base, of fourth order for a displacement.
+
+    Parameters
+    ----------
+    steps : ndarray of shape (m,)
+        The durations of the intervals (s).
+    values : ndarray of shape (m + 1, p)
+        The histories.
+    before, after : ndarray of shape (m, p)
+        The slopes at both ends of each interval.
+
+    Returns
+    -------
+    ndarray of shape (p,)
     """
     largest: FloatArray = np.max(np.abs(values), axis=0)
     rows, columns = np.divmod(np.flatnonzero(before * after < 0.0), before.shape[1])

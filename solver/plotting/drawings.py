@@ -78,10 +78,23 @@ def plot_model(
 
 
 def draw_column(axes: Axes, response: Shapes, k: int, scale: float, linewidth: float = 1.0) -> list[Polygon]:
-    """Draw row k of a response on axes of equal units, and return the outlines of the blocks, from the top down.
+    """Draw one row of a response on axes of equal units, and return the outlines of the blocks.
 
-    `scale` is the factor on rotations and openings, `linewidth` (points) the width of the outlines; the ground is drawn
-    three times as thick.
+    Parameters
+    ----------
+    axes : Axes
+    response : Shapes
+    k : int
+        Index of the row.
+    scale : float
+        Factor on rotations and openings.
+    linewidth : float
+        Width of the outlines, points; the ground is drawn three times as thick.
+
+    Returns
+    -------
+    list of Polygon
+        One for each block, from the top down.
     """
     patches = [
         Polygon(corners, facecolor=STONE, edgecolor=INK, linewidth=linewidth)

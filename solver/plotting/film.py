@@ -50,9 +50,19 @@ class AnimatedFigure:
     def animate(
         self, blocks: Sequence[Artist], clock: Text, panels: Sequence[Axes], end: float, colours: Sequence[str]
     ) -> None:
-        """Write the title, add a cursor to each panel over time, up to `end` (s), and mark the artists that move.
+        """Write the title, add the cursors, and mark the artists that move.
 
-        `place` moves the blocks. The palette of a GIF must contain the `colours` as well.
+        Parameters
+        ----------
+        blocks : sequence of Artist
+            The artists that `place` moves.
+        clock : Text
+        panels : sequence of Axes
+            The panels over time, which get a cursor each.
+        end : float
+            Last instant, s.
+        colours : sequence of str
+            Further colours that the palette of a GIF must contain.
         """
         for axes in panels:
             tidy(axes)

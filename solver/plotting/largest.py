@@ -32,7 +32,16 @@ def largest_displacement(response: Any) -> tuple[float, int]:
 def rows_before_fall(time: FloatArray, moved: FloatArray, overturn_time: float, widest: float) -> int:
     """Return the number of rows before a block that falls has moved by `GONE` widths or has fallen, at least 2.
 
-    `moved` are the absolute displacements of the blocks (m), (rows, n), `widest` (m) is the largest width of one.
+    Parameters
+    ----------
+    time : array (rows,)
+        Times, s.
+    moved : array (rows, n)
+        Absolute displacements of the blocks, m.
+    overturn_time : float
+        Time of the fall, s.
+    widest : float
+        Largest width of a block, m.
     """
     beyond = np.flatnonzero(np.max(moved, axis=1) > GONE * widest)
     fallen = int(np.searchsorted(time, overturn_time))

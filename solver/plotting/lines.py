@@ -20,8 +20,19 @@ def draw_lines(
     """Plot the columns of `values` that have a colour, those of the largest range first.
 
     If there are more samples than pixels, a line joins the smallest and the largest value of each pixel column, at
-    their instants, with `largest_only` the largest values alone. If not all columns have a colour, a grey band shows
-    the envelope of all. `colours` are by the index of the column of `values`, (nt, n) in the unit of the axes.
+    their instants. If not all columns have a colour, a grey band shows the envelope of all.
+
+    Parameters
+    ----------
+    axes : Axes
+    time : array (nt,)
+        Times, s.
+    values : array (nt, n)
+        Histories, in the unit of the axes.
+    colours : dict of int to str
+        Column index to colour.
+    largest_only : bool
+        If True, a decimated line joins the largest values alone.
     """
     width = 0.8 if len(colours) <= len(FEW_COLOURS) // 2 else 0.6
     if len(colours) < values.shape[1]:
@@ -36,7 +47,12 @@ def draw_lines(
 def thinned(time: FloatArray, values: FloatArray, largest_only: bool = False) -> tuple[FloatArray, FloatArray]:
     """Return instants and values, (m,) each, that look like the history: all samples or the extremes of each pixel.
 
-    With `largest_only` a pixel column has its largest value alone, at its middle.
+    Parameters
+    ----------
+    time, values : array (nt,)
+        The history.
+    largest_only : bool
+        If True, return only the largest value of each pixel column, at its middle.
     """
     if len(time) <= 2 * COLUMNS:
         return time, values
@@ -55,9 +71,17 @@ def thinned(time: FloatArray, values: FloatArray, largest_only: bool = False) ->
 
 
 def draw_ensemble(axes: Axes, time: FloatArray, ensemble: FloatArray, colours: dict[int, str]) -> None:
-    """Draw the 16 % to 84 % range of an ensemble as a band, and its median as a dashed line, of columns with a colour.
+    """Draw the 16 % to 84 % range of an ensemble as a band, and its median as a dashed line.
 
-    `ensemble` has the 16 %, 50 % and 84 % points, (3, nt, n) in the unit of the axes.
+    Parameters
+    ----------
+    axes : Axes
+    time : array (nt,)
+        Times, s.
+    ensemble : array (3, nt, n)
+        The 16 %, 50 % and 84 % points, in the unit of the axes.
+    colours : dict of int to str
+        Column index to colour, of the columns to draw.
     """
     for i, colour in colours.items():
         low, median, high = ensemble[:, :, i]

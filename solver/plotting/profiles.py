@@ -29,10 +29,17 @@ _PROFILES = (
 def draw_profiles(
     panels: Sequence[Axes], column: Column, largest: Mapping[str, FloatArray], chosen: Mapping[int, str]
 ) -> None:
-    """Plot the peak values of every block and joint over the height, m: a panel for each of `_PROFILES`.
+    """Plot the peak values of every block and joint over the height, m, in four panels.
 
-    The `largest` are given in SI units; a missing one leaves its panel empty. `chosen` has the colours of the blocks
-    with lines, by index.
+    Parameters
+    ----------
+    panels : sequence of Axes
+        Four panels: displacement, least contact, pressure and friction demand.
+    column : Column
+    largest : mapping of str to array (n,)
+        Peak values in SI units; a missing one leaves its panel empty.
+    chosen : mapping of int to str
+        Block index to colour, of the blocks that have lines.
     """
     heights = np.array([block.height for block in column.blocks])
     tops = np.cumsum(heights[::-1])[::-1]
@@ -81,9 +88,20 @@ def draw_offsets(axes: Axes, offsets: FloatArray) -> None:
 def draw_last_moments(
     panels: Sequence[Axes], time: FloatArray, places: Shapes, gone: int, overturn_time: float
 ) -> None:
-    """Draw the column to scale at equal intervals, one a panel, from shortly before it is lost until it lies.
+    """Draw the column to scale at equal intervals, from shortly before it is lost until it lies.
 
-    `places` are its displacements at the rows, of which it can come back in the first `gone` ones.
+    Parameters
+    ----------
+    panels : sequence of Axes
+        One panel for each instant.
+    time : array (rows,)
+        Times, s.
+    places : Shapes
+        Displacements of the blocks at these times.
+    gone : int
+        Number of rows before the column cannot come back.
+    overturn_time : float
+        Time of the fall, s.
     """
     lost = float(time[min(gone, len(time) - 1)])
     first = max(float(time[0]), lost - max(BEFORE * (overturn_time - lost), AT_LEAST))

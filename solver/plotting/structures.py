@@ -34,10 +34,23 @@ def structure_picture(structure: Structure, size: float = 5.0) -> Figure:
 def draw_blocks(
     axes: Any, structure: Structure, u: FloatArray, turn: FloatArray, room: FloatArray | None = None
 ) -> Solids:
-    """Draw displaced blocks on 3D axes, with ground, walls, bearings and a scale, and return the artist of the blocks.
+    """Draw displaced blocks on 3D axes, with ground, walls, bearings and a scale.
 
-    `u` are the displacements of the centroids (m), `turn` the rotations, axis times angle (rad), (n, 3) each. The
-    points of `room` (m), (points, 3), must lie within the axes too.
+    Parameters
+    ----------
+    axes : Axes3D
+    structure : Structure
+    u : array (n, 3)
+        Displacements of the centroids, m.
+    turn : array (n, 3)
+        Rotations, axis times angle, rad.
+    room : array (points, 3), optional
+        Further points that must lie within the axes, m.
+
+    Returns
+    -------
+    Solids
+        The artist of the blocks.
     """
     solids = Solids(parts_of(structure)[0])
     solids.place(u, turn)

@@ -132,7 +132,20 @@ def show_names(
 def save(figure: Figure, path: str | os.PathLike[str] | None, dpi: int = DPI) -> Figure:
     """Save the figure in the format of the file's suffix if `path` is given, and return it.
 
-    Raises InputError if matplotlib knows no format of that suffix, OSError if the file cannot be written.
+    Parameters
+    ----------
+    figure : Figure
+    path : path-like or None
+        File to write.
+    dpi : int
+        Resolution, dots per inch.
+
+    Raises
+    ------
+    InputError
+        If matplotlib knows no format of that suffix.
+    OSError
+        If the file cannot be written.
     """
     if path is None:
         return figure

@@ -18,10 +18,18 @@ GROWTH = 4.0  # largest ratio of a chunk to the previous one: the next runs may 
 
 
 class Pace:
-    """An estimator that decides when a chunk has enough runs, of `total` if known.
+    """An estimator that decides when a chunk has enough runs.
 
-    A unit of weight costs `guess`, s, before any chunk is measured. A chunk should cost `seconds` of wall-clock time;
-    one with fewer than 64 runs costs at most 5 times that.
+    Parameters
+    ----------
+    total : int or None
+        Number of all runs, if known.
+    workers : int
+        Number of workers.
+    guess : float
+        Cost of a unit of weight, s, before any chunk is measured.
+    seconds : float
+        Target cost of a chunk, s of wall-clock time; of one with fewer than 64 runs the largest is 5 times that.
     """
 
     def __init__(self, total: int | None, workers: int, guess: float, seconds: float = CHUNK_SECONDS) -> None:

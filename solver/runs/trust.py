@@ -40,8 +40,14 @@ def with_fine_settings(model: Any) -> Any:
 def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatArray | None) -> None:
     """Set estimated error, horizon and, if the verdicts differ, the verdict of a response.
 
-    `closer` is the run with smaller errors, or the SolverError that ended it. The places are the displacements of both
-    runs at the rows, m (nt, any number); None for a run that ended with an error.
+    Parameters
+    ----------
+    response : Response or SpatialResponse
+        Modified in place.
+    closer : Response, SpatialResponse or SolverError
+        The run with smaller errors, or the error that ended it.
+    places, closer_places : array (nt, any number)
+        Displacements of both runs at the rows, m; None for a run that ended with an error.
     """
     if isinstance(closer, SolverError) or closer_places is None:
         response.verdict, response.reason = UNDECIDED, f"the run that checks it failed: {closer}"

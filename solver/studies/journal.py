@@ -28,11 +28,24 @@ _CUT_HEAD = re.compile(rb"[0-9a-f]{0,7}|[0-9a-f]{8}( (\{[^\n]*)?)?")  # an empty
 
 
 class Journal(AbstractContextManager["Journal"]):
-    """A journal to which runs are added, to be used as a context. It is created, with its head, if it does not exist.
+    """A journal to which runs are added, to be used as a context.
 
-    Raises InputError if the file is no journal, of another study or of other versions, if another process adds to it,
-    or if it cannot be written; or if it does not exist and a file next to it, of a suffix in `tables`, would be
-    overwritten.
+    It is created if it does not exist.
+
+    Parameters
+    ----------
+    path : str or path
+        The file.
+    head : mapping
+        The first line.
+    tables : sequence of str
+        Suffixes of the files that are written next to it.
+
+    Raises
+    ------
+    InputError
+        If the file is no journal, of another study or of other versions, if another process adds to it, or if it cannot
+        be written; or if it does not exist and a file next to it would be overwritten.
     """
 
     def __init__(self, path: str | os.PathLike[str], head: Mapping[str, Any], tables: Sequence[str] = ()) -> None:
@@ -110,11 +123,30 @@ def read_journal(
     check_head: Callable[[dict[str, Any]], None] | None = None,
     check_row: Callable[[dict[str, Any], Any], None] | None = None,
 ) -> tuple[dict[str, Any], Iterator[list[Any]]]:
-    """Return the first line of a journal, about its study, and its runs one by one, in any order.
+    """Read the first line of a journal, about its study, and its runs one by one, in any order.
 
-    The file may be in use by the process that adds runs. `check_head` is called with the first line, `check_row` with
-    it and each run; the number of the line is added to their errors. Raises InputError that begins with `path` if the
-    file cannot be read or is no journal.
+    The file may be in use by the process that adds runs.
+
+    Parameters
+    ----------
+    path : str or path
+        The journal.
+    check_head : callable, optional
+        Called with the first line; the number of the line is added to its errors.
+    check_row : callable, optional
+        Called with the first line and each run; likewise.
+
+    Returns
+    -------
+    head : dict
+        The content of the first line.
+    rows : iterator of list
+        The runs.
+
+    Raises
+    ------
+    InputError
+        With a message that begins with `path`, if the file cannot be read or is no journal.
     """
     with reading(path):
         check_size(path, sys.maxsize)

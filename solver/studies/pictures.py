@@ -140,10 +140,23 @@ def draw_sweep(results: Results) -> Figure:
 def _by_frequency(
     results: Results, frequencies: FloatArray, chosen: NDArray[np.bool_]
 ) -> tuple[FloatArray, FloatArray]:
-    """Return percentiles of the peaks (m) of the chosen runs that stand, and the share that fell, by frequency (Hz).
+    """Return percentiles of the peaks of the runs that stand, and the share that fell, by frequency.
 
-    The percentiles are (3, frequencies, blocks), NaN where no run stands; the shares, of finished runs, are
-    (frequencies,), NaN without one.
+    Parameters
+    ----------
+    results : Results
+        The results.
+    frequencies : (frequencies,) float
+        Frequencies (Hz).
+    chosen : (runs,) bool
+        The runs used.
+
+    Returns
+    -------
+    points : (3, frequencies, blocks) float
+        Percentiles (m); NaN where no run stands.
+    fell : (frequencies,) float
+        Share of the finished runs that fell; NaN without one.
     """
     points = np.full((len(PERCENTILES), len(frequencies), results.head["blocks"]), math.nan)
     fell = np.zeros(len(frequencies))

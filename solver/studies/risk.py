@@ -274,8 +274,19 @@ def rates_between(hazard: Hazard, edges: FloatArray, curves: FloatArray) -> Floa
     With x = log s, H = H1 exp(-k (x - x1)) and P = ndtr(z), z = (x - log median) / b, the integral from x to infinity
     is H P + H1 exp(k (x1 - log median) + (k b)**2 / 2) ndtr(-z - k b).
 
-    The `edges` are increasing intensities, from 0 to infinity, (ranges + 1,), the `curves` medians and deviations of
-    lognormal fragilities P, (curves, 2). Return the annual rates of failure by motions of each range, (curves, ranges).
+    Parameters
+    ----------
+    hazard : Hazard
+        The hazard H.
+    edges : (ranges + 1,) float
+        Increasing intensities, from 0 to infinity.
+    curves : (curves, 2) float
+        Medians and deviations of lognormal fragilities P.
+
+    Returns
+    -------
+    (curves, ranges) float
+        Annual rates of failure by motions of each range.
     """
     with needing("studies", "scipy"):
         from scipy.special import log_ndtr, ndtr

@@ -418,8 +418,18 @@ def binned(
 ) -> Bins:
     """Return the shares of failures in bins of the intensity.
 
-    Up to 2 * `bins` different intensities get a bin each; if there are more, the bins have equal counts. Given for each
-    run, (runs,), are its intensity, whether it failed and whether it is undecided.
+    Up to 2 * `bins` different intensities get a bin each; if there are more, the bins have equal counts.
+
+    Parameters
+    ----------
+    intensity : (runs,) float
+        Intensity of each run.
+    failed : (runs,) bool
+        Whether it failed.
+    bins : int
+        Number of bins.
+    undecided : (runs,) bool, optional
+        Whether it is undecided.
     """
     # edges: between the levels, or quantiles
     levels = np.unique(intensity)

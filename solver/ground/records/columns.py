@@ -77,10 +77,24 @@ def read_csv(lines: list[str]) -> Record:
 def read_plain(lines: list[str], dt: float | None, units: str | None, headers: Sequence[str]) -> Record:
     """Read a file of numbers without a header; nothing is guessed.
 
-    Columns are separated by blanks, commas, `;` or tabs; a line that begins with # % ! or // is a comment. With `dt`
-    (s) every number is a sample, row by row; without it the first column is the time in s, the second ax and a third,
-    if any, az. Raises InputError if the units are missing, with the formats that have `headers`, or the numbers do not
-    fit `dt`.
+    Columns are separated by blanks, commas, `;` or tabs; a line that begins with # % ! or // is a comment.
+
+    Parameters
+    ----------
+    lines : list of str
+        The lines of the file.
+    dt : float or None
+        The sampling interval (s): every number is a sample, row by row. None: the first column is the time in s, the
+        second ax and a third, if any, az.
+    units : str or None
+        The unit of acceleration.
+    headers : sequence of str
+        The names of the formats with a header, for the message where the units are missing.
+
+    Raises
+    ------
+    InputError
+        If the units are missing or the numbers do not fit `dt`.
     """
     if units is None:
         if any(name.startswith("time") for name in _names(table_of(lines[:1]))):

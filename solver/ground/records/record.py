@@ -31,9 +31,25 @@ class Record:
 def equally_spaced(
     name: str, dt: float, samples: Sequence[float] | FloatArray, title: str = "", notes: tuple[str, ...] = ()
 ) -> Record:
-    """Return the record of ax (m/s2) at k dt (s), in the format `name`; title and notes as of a Record.
+    """Return the record of samples (m/s2) at k dt (s).
 
-    Raises InputError unless dt > 0 and there are at least two samples.
+    Parameters
+    ----------
+    name : str
+        The name of the format.
+    dt : float
+        The sampling interval (s).
+    samples : sequence of float
+        The acceleration ax (m/s2).
+    title : str
+        The description in the file.
+    notes : tuple of str
+        The changes made to the samples.
+
+    Raises
+    ------
+    InputError
+        Unless dt > 0 and there are at least two samples.
     """
     dt = check_number("dt", dt, POSITIVE, "a positive time in s")
     if len(samples) < 2:

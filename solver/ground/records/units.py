@@ -11,9 +11,23 @@ KNOWN = "g, m/s2 or cm/s2"
 
 
 def factor_of(name: object, line: int = 0, hint: str = "") -> float:
-    """Return the factor from a unit to m/s2, in any usual spelling: cm/s^2, cm/sec/sec, CM/SEC**2, gal.
+    """Return the factor from a unit to m/s2.
 
-    Raises InputError that names the line of the file, if not 0, and ends with `hint` if the unit is unknown.
+    The usual spellings are known: cm/s^2, cm/sec/sec, CM/SEC**2, gal.
+
+    Parameters
+    ----------
+    name : object
+        The name of the unit.
+    line : int
+        The line of the file for the message, 0 without one.
+    hint : str
+        The end of the message.
+
+    Raises
+    ------
+    InputError
+        If the unit is unknown.
     """
     if not isinstance(name, str):
         raise InputError(f"units = {shown(name)}: must be {KNOWN}{hint}")

@@ -38,10 +38,21 @@ def write_gltf(response: Any, path: str | os.PathLike[str]) -> None:
 
 
 def animated(found: bytes, time: FloatArray, histories: Mapping[str, FloatArray]) -> bytes:
-    """Return the glTF of `still`, made with `in_plane`, with the motion of its FMU as an animation.
+    """Return the glTF of `still` with the motion given by the outputs of its FMU as an animation.
 
-    The histories (rows,) are the outputs by name: block[1].ux or block1.ux, and so on. Raises InputError if one is
-    missing.
+    Parameters
+    ----------
+    found : bytes
+        Result of `still`, with `in_plane`.
+    time : array (rows,)
+        Times, s.
+    histories : mapping of str to array (rows,)
+        Outputs by name: block[1].ux or block1.ux, and so on.
+
+    Raises
+    ------
+    InputError
+        If an output is missing.
     """
     bodies = [SimpleNamespace(**node["extras"]) for node in _parts(found)[0]["nodes"] if "extras" in node]
     outputs = OF_COLUMN if bodies[0].in_plane else OF_STRUCTURE
@@ -94,10 +105,23 @@ class _Buffer:
 def still(
     name: str, bodies: Sequence[SceneBody], in_plane: bool | None = None, walls: Sequence[SceneBody] = ()
 ) -> bytes:
-    """Return the .glb file of bodies as built, and of walls, of one surface each, which are visible from one side.
+    """Return the glTF of bodies as built, and of walls, which are visible from one side.
 
-    If `in_plane` is given, nodes store the numbers with which `animated` poses them from the outputs of an FMU; it is
-    True for those of a column in its plane.
+    Parameters
+    ----------
+    name : str
+        Name of the scene.
+    bodies : sequence of SceneBody
+    in_plane : bool, optional
+        If given, each node stores the numbers with which `animated` poses it from the outputs of an FMU; True for those
+        of a column in its plane.
+    walls : sequence of SceneBody
+        Walls, of one surface each.
+
+    Returns
+    -------
+    bytes
+        Content of a .glb file.
     """
     n = len(bodies)
     # the position as built is a JSON number of full precision; float32 holds only the displacement
