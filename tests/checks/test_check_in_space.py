@@ -383,8 +383,10 @@ def test_command_and_report(
     words = ["check", str(TRILITH), "along.csv", "--across", "across.csv", "--pga", "0.2", "--no-margin"]
     assert main([*words, "--ensemble", "1", "--report", "report.html"]) == 0
     printed = capsys.readouterr().out
-    for said in ("across across.csv: CSV", "across (g)", "left-base", "by hand: nothing", "1 varied structures"):
+    for said in ("across across.csv: CSV", "across (g)", "by hand: nothing", "1 varied structures"):
         assert said in printed
+    # both posts are pressed alike: which one more, the last digits of the linear algebra of a machine decide
+    assert re.search(r"pressure at the edge +(left|right)-base ", printed)
     text = Path("report.html").read_text(encoding="utf-8")
     assert text.count("data:image/png;base64,") == 4
     for said in ("The structure", "3.9 x 0.9 x 0.7", "left-base to beam-right", "The blocks move in space"):
