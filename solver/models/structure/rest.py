@@ -18,7 +18,6 @@ import numpy as np
 from ...common import plausible
 from ...common.errors import InputError
 from ...kernels.structure import layout as at
-from ...kernels.structure.kinematics import TIPPED
 from ..column.model import Column
 from ..column.rest import known_warnings
 from ..ports import Port
@@ -149,11 +148,10 @@ def _has_fallen(stepper: SpatialStepper) -> bool:
     """Return True if a block lies far below its place as built, or a face is tilted by over 90 degrees, as in runs."""
     joints, see = stepper.structure.joints, stepper.see
     turned = np.column_stack([np.array([see.q0, see.q1, see.q2, see.q3]), [1.0, 0.0, 0.0, 0.0]])  # the base comes last
-    a, b = turned[:, [joint.upper for joint in joints]], turned[:, [joint.lower for joint in joints]]
-    vector = b[0] * a[1:] - a[0] * b[1:] + cross(a[1:], b[1:])
-    twist = np.sum(np.array([joint.face.axes[:, 2] for joint in joints]).T * vector, axis=0)
-    tilt_squares = np.sum(vector**2, axis=0) - twist**2  # squared sines of half the tilts
-    return bool(np.any(tilt_squares > TIPPED) or np.any(see.uz < -stepper.model.bodies.drop[: stepper.structure.n]))
+    built = np.array([joint.face.axes[:, 2] for joint in joints]).T
+    above, below = (rotated(turned[:, [getattr(joint, end) for joint in joints]], built) for end in ("upper", "lower"))
+    tipped = np.sum(above * below, axis=0) < 0.0  # by the cosines between the normals of both faces
+    return bool(np.any(tipped) or np.any(see.uz < -stepper.model.bodies.drop[: stepper.structure.n]))
 
 
 def rest_in_steps(structure: Structure, loads: FloatArray) -> FloatArray | None:
