@@ -41,14 +41,23 @@ def sent_out(
 
     Parameters
     ----------
-    pieces, submit, workers
-        The tasks; a function that returns the future of a task; the number of tasks processed at once.
+    pieces : iterator
+        The tasks.
+    submit : callable
+        Called with a task; returns its future.
+    workers : int
+        The number of tasks processed at once.
     failed : callable
         Called with a task, the number of attempts and the error; unless it raises, the task is submitted again.
     error : callable
         Called with a message; returns the exception to raise when the executor refuses tasks.
     idle : callable
         Called while no task completes.
+
+    Yields
+    ------
+    tuple
+        A task and its result.
     """
     ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
     under_way: dict[Any, tuple[Piece, int]] = {}

@@ -138,24 +138,41 @@ def plot_histories(
     """Draw the base motion, and below it the histories of every block and of the joint under it.
 
     If there are more blocks than colours, some blocks have lines, a band shows the envelope of all, and the peaks are
-    drawn over the height. Raises InputError if there are fewer than two instants, and as `save` does; OSError.
+    drawn over the height.
 
     Parameters
     ----------
-    time, histories
-        Times, s, equally spaced, and the quantities `HISTORIES` in SI units, (nt, n) as in `Response`. With uz the last
-        moments before a fall are drawn, with slip that of a column that slides.
-    column, motion, title
-        Without the motion of the base, on the same clock, it is not drawn. The title is by default the column, the
-        motion and its PGA.
+    time : array (nt,)
+        Times, s, equally spaced.
+    histories : mapping of str to array (nt, n)
+        The quantities `HISTORIES` in SI units, block 1 (the top) first, as in `Response`. With uz the last moments
+        before a fall are drawn, with slip that of a column that slides.
+    column : Column
+    motion : Motion, optional
+        Motion of the base on the same clock. Default: not drawn.
+    title : str, optional
+        Default: the column, the motion and its PGA.
     overturn_time : float
         Time of the fall, s, NaN while the column stands; rows long after it are left out.
+    path : path-like, optional
+        File to save to, in the format of its suffix.
     ensemble : array (3, nt, n), optional
         The 16 %, 50 % and 84 % points of ux among many runs, m; NaN where there are none.
     verdict : tuple of str, optional
         A word of `Response.verdict`, and a sentence.
     peaks : mapping of str to array (n,), optional
         Peaks of the continuous motion, as `Response.peaks`; marked where the rows miss them.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two instants, or matplotlib knows no format of that suffix.
+    OSError
+        If the file cannot be written.
     """
     if len(time) < 2:
         raise InputError(f"time: {len(time)} sample, must be at least 2 to draw a history")

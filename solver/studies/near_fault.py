@@ -74,20 +74,34 @@ def motion(
 ) -> Motion:
     """Return the pulse of Mavroeidis and Papageorgiou added to filtered noise (wavelets.py).
 
-    Raises InputError if a value is out of range.
-
     Parameters
     ----------
-    magnitude, distance
-        The moment magnitude, and the distance (km) as in `pga` and `velocity`.
-    seed, ground
-        Of the noise: the seed, and the frequency (Hz).
-    cycles, phase
-        Of the pulse: the number of cycles, and the phase (degrees).
-    pga_factor, pgv_factor, period_factor
+    magnitude : float
+        Moment magnitude.
+    distance : float
+        Distance (km), as in `pga` and `velocity`.
+    seed : int
+        Seed of the noise.
+    cycles : float
+        Number of cycles of the pulse.
+    phase : float
+        Phase of the pulse (degrees).
+    pga_factor, pgv_factor, period_factor : float
         Factors on the medians.
+    ground : float
+        Frequency of the noise (Hz).
     velocity : callable
         Function of magnitude and distance that returns the median PGV of the pulse (m/s).
+
+    Returns
+    -------
+    Motion
+        The motion.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
     """
     magnitude = check_number("motion.magnitude", magnitude, MAGNITUDES, "a magnitude from {} to {}".format(*MAGNITUDES))
     distance = check_number("motion.distance", distance, DISTANCES, "a distance in km from {} to {}".format(*DISTANCES))
